@@ -1,0 +1,33 @@
+set(CMAKE_CXX_STANDARD 20)
+set(CMAKE_CXX_STANDARD_REQUIRED ON)
+set(CMAKE_CXX_EXTENSIONS OFF)
+set(CMAKE_EXPORT_COMPILE_COMMANDS ON)
+set(CMAKE_POSITION_INDEPENDENT_CODE ON)
+
+if(NOT CMAKE_BUILD_TYPE)
+  set(CMAKE_BUILD_TYPE Release CACHE STRING "" FORCE)
+endif()
+
+find_program(KNOTREEL_CCACHE ccache)
+if(KNOTREEL_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${KNOTREEL_CCACHE})
+endif()
+
+# Target that every module links: flags only.
+add_library(knotreel_flags INTERFACE)
+target_compile_options(knotreel_flags INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual
+  # The same document gives the same bits on every machine: no fused multiply-add unless written so.
+  -ffp-contract=off)
+if(KNOTREEL_WERROR)
+  target_compile_options(knotreel_flags INTERFACE -Werror)
+endif()
+if(KNOTREEL_SANITIZE)
+  target_compile_options(knotreel_flags INTERFACE
+    -fsanitize=${KNOTREEL_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all -g)
+  target_link_options(knotreel_flags INTERFACE -fsanitize=${KNOTREEL_SANITIZE})
+  target_compile_definitions(knotreel_flags INTERFACE KNOTREEL_CHECKED)
+endif()
+if(CMAKE_BUILD_TYPE STREQUAL "Debug")
+  target_compile_definitions(knotreel_flags INTERFACE KNOTREEL_CHECKED)
+endif()

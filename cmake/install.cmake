@@ -1,0 +1,1 @@
+# Filled in with the install rules: libraries, headers, package files.

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+
+namespace knotreel {
+
+/// Caps the threads that the whole process uses for parallel_for (and everything built on oneTBB) from now on
+/// and until the object is destroyed. 0 means all cores. Not thread safe: meant for main() and tests.
+class ThreadCap {
+ public:
+  explicit ThreadCap(int threads);
+  ~ThreadCap();
+  ThreadCap(const ThreadCap&) = delete;
+  ThreadCap& operator=(const ThreadCap&) = delete;
+
+ private:
+  void* impl_;
+};
+
+/// Calls body(i) for every i in [0, count), in any order, on the threads allowed. The body must only write
+/// what belongs to its own i, so that the result cannot depend on the number of threads. Exceptions from a
+/// body cancel the loop and are rethrown here.
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
+
+}  // namespace knotreel

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <vector>
+
+#include "knotreel/base/vec2.h"
+#include "knotreel/spline/space.h"
+
+namespace knotreel::document {
+
+/// One frame as a TCB-spline surface S(u) = sum B_I(u) c_I (paper Eq. 4): the spline space and the control
+/// points, whose geometry part is stored as the displacement from the Greville site.
+struct FrameModel {
+  std::shared_ptr<const spline::SplineSpace> space;
+
+  /// Geometry control point minus Greville site, in pixels, one per geometry group. All zero: the surface maps
+  /// the parametric domain to the image by the identity.
+  std::vector<Vec2> displacement;
+
+  /// Number of colour channels: 1 grey, 2 grey + alpha, 3 RGB, 4 RGBA (alpha is not premultiplied).
+  int channels = 3;
+
+  /// Colour control points, function by function, channels interleaved; scale 0..255, values beyond that range
+  /// are normal. Gamma-encoded sRGB (or whatever the source was).
+  std::vector<double> colour;
+
+  std::uint64_t frame = 0;  ///< index in the sequence, from 0
+  std::int64_t pts = 0;     ///< presentation time stamp in units of the document's time base
+  bool keyframe = true;     ///< stored and computed without a predecessor
+};
+
+/// Storage by the accounting of the paper's Table 1: 20 bytes per control point, 8 per knot, 6 per triangle.
+/// Multiple knots count once; the two or more functions along features count one control point each.
+std::uint64_t raw_accounting_bytes(const FrameModel& model);
+
+}  // namespace knotreel::document

@@ -1,0 +1,21 @@
+#include "knotreel/base/parallel.h"
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+
+namespace knotreel {
+
+ThreadCap::ThreadCap(int threads) : impl_(nullptr) {
+  const int cap = threads > 0 ? threads : oneapi::tbb::info::default_concurrency();
+  impl_ = new oneapi::tbb::global_control(oneapi::tbb::global_control::max_allowed_parallelism,
+                                          static_cast<std::size_t>(cap));
+}
+
+ThreadCap::~ThreadCap() { delete static_cast<oneapi::tbb::global_control*>(impl_); }
+
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
+  oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { body(i); });
+}
+
+}  // namespace knotreel

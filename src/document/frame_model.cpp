@@ -1,0 +1,11 @@
+#include "knotreel/document/frame_model.h"
+
+namespace knotreel::document {
+
+std::uint64_t raw_accounting_bytes(const FrameModel& model) {
+  const auto& mesh = model.space->mesh();
+  return 20 * std::uint64_t{model.space->function_count()} + 8 * std::uint64_t{mesh.knots.size()} +
+         6 * std::uint64_t{mesh.faces.size()};
+}
+
+}  // namespace knotreel::document
