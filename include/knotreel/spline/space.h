@@ -39,13 +39,9 @@ struct LinkPolygon {
   std::span<const Vec2> positions;        ///< of the corners
 };
 
-/// Chooses a triangulation of a link: writes the apex codes of the polygon (see encode_triangulation), of which
-/// there are link_code_count(polygon size). Called once per polygon, in the fixed order of the space.
-using LinkPolicy = std::function<void(const LinkPolygon&, std::span<std::uint16_t> codes)>;
-
-/// Number of apex codes of a polygon with n corners: n - 2 triangles, of which those with one choice are omitted.
-/// The count depends on the codes chosen; this is the upper bound n - 3 (0 for a triangle).
-constexpr std::size_t max_link_codes(std::size_t n) { return n < 4 ? 0 : n - 3; }
+/// Chooses a triangulation of a link: appends the apex codes of the polygon (see link.h). Called once per
+/// polygon with four or more corners, in the fixed order of the space.
+using LinkPolicy = std::function<void(const LinkPolygon&, std::vector<std::uint16_t>& codes)>;
 
 /// The spline space of one knot mesh: cut mesh, links, t-configs, basis functions. Immutable; all const members
 /// may be called from several threads.
