@@ -1,0 +1,48 @@
+#pragma once
+
+#include "knotreel/spline/piece.h"
+#include "knotreel/spline/reference.h"
+
+namespace knotreel::spline {
+
+inline bool inside_walls(const Tent& tent, Vec2 u, Vec2 direction) {
+  for (int i = 0; i < tent.wall_count; ++i) {
+    if (!inside_wall(tent.walls[static_cast<std::size_t>(i)], u, direction)) return false;
+  }
+  return true;
+}
+
+/// Value of a tent at u, zero outside its support.
+inline double tent_value(const Tent& tent, Vec2 u, Vec2 direction) {
+  double value = tent.constant;
+  if (tent.slope_count > 0) {
+    value = tent.slopes[0](u);
+    for (int i = 1; i < tent.slope_count; ++i) {
+      const double v = tent.slopes[static_cast<std::size_t>(i)](u);
+      value = v < value ? v : value;
+    }
+    if (!(value > 0)) return 0;
+  }
+  return inside_walls(tent, u, direction) ? value : 0;
+}
+
+/// Value and gradient; on a crease those of one side.
+inline Jet tent_jet(const Tent& tent, Vec2 u, Vec2 direction) {
+  if (tent.slope_count == 0) {
+    return inside_walls(tent, u, direction) ? Jet{tent.constant, 0, 0, 0, 0, 0} : Jet{};
+  }
+  const Affine* active = &tent.slopes[0];
+  double value = (*active)(u);
+  for (int i = 1; i < tent.slope_count; ++i) {
+    const Affine& slope = tent.slopes[static_cast<std::size_t>(i)];
+    const double v = slope(u);
+    if (v < value) {
+      value = v;
+      active = &slope;
+    }
+  }
+  if (value < 0 || !inside_walls(tent, u, direction)) return {};
+  return {value, active->nx, active->ny, 0, 0, 0};
+}
+
+}  // namespace knotreel::spline
