@@ -251,6 +251,39 @@ std::vector<MeshCase> random_cases(std::uint64_t seed, int count) {
   return cases;
 }
 
+bool has_accidental_lines(const KnotMesh& mesh) {
+  const auto n = static_cast<KnotIndex>(mesh.knots.size());
+  std::vector<std::vector<std::size_t>> lines(n);
+  for (std::size_t s = 0; s < mesh.segments.size(); ++s) {
+    for (const KnotIndex k : mesh.segments[s].knots) lines[k].push_back(s);
+  }
+  const std::size_t sides = mesh.segments.size();
+  for (KnotIndex k = 0; k < n; ++k) {
+    const Vec2 p = mesh.knots[k].position;
+    if (p.x == 0) lines[k].push_back(sides);
+    if (p.y == 0) lines[k].push_back(sides + 1);
+    if (p.x == mesh.width) lines[k].push_back(sides + 2);
+    if (p.y == mesh.height) lines[k].push_back(sides + 3);
+  }
+  const auto share_a_line = [&](KnotIndex a, KnotIndex b, KnotIndex c) {
+    return std::any_of(lines[a].begin(), lines[a].end(), [&](std::size_t l) {
+      const auto on = [l](const std::vector<std::size_t>& v) { return std::find(v.begin(), v.end(), l) != v.end(); };
+      return on(lines[b]) && on(lines[c]);
+    });
+  };
+  for (KnotIndex a = 0; a < n; ++a) {
+    for (KnotIndex b = a + 1; b < n; ++b) {
+      for (KnotIndex c = b + 1; c < n; ++c) {
+        const Vec2 p = mesh.knots[b].position - mesh.knots[a].position;
+        const Vec2 q = mesh.knots[c].position - mesh.knots[a].position;
+        const double length2 = std::max({dot(p, p), dot(q, q), dot(q - p, q - p)});
+        if (std::abs(cross(p, q)) <= 1e-9 * length2 && !share_a_line(a, b, c)) return true;
+      }
+    }
+  }
+  return false;
+}
+
 std::vector<Vec2> probe_points(const KnotMesh& mesh, std::uint64_t seed, int random_count) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> unit(0, 1);

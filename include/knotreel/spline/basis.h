@@ -92,7 +92,7 @@ class Basis {
   void evaluate(Vec2 u, Vec2 direction, std::vector<BasisValue>& out) const;
   void evaluate(Vec2 u, std::vector<BasisValue>& out) const;
 
-  /// The same with first and second derivatives. On knot lines derivatives are those of one of the sides.
+  /// The same with first and second derivatives, all of them limits from the side of `direction`.
   void evaluate(Vec2 u, Vec2 direction, std::vector<BasisJet>& out) const;
 
   /// Many points at once, on all threads allowed; the result does not depend on their number.
