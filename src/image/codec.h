@@ -41,7 +41,8 @@ std::unique_ptr<RowWriter> make_opencv_writer(std::unique_ptr<OutputFile> file, 
 /// Common part of the row writers: checks the shape of what is handed in and counts rows.
 class CheckedRowWriter : public RowWriter {
  public:
-  CheckedRowWriter(std::unique_ptr<OutputFile> file, const ImageFileSpec& spec) : file_(std::move(file)), spec_(spec) {}
+  CheckedRowWriter(std::unique_ptr<OutputFile> file, const ImageFileSpec& spec)
+      : file_(std::move(file)), spec_(spec) {}
   void write(std::span<const float> rows, int count) final;
   void finish() final;
 
@@ -58,6 +59,10 @@ class CheckedRowWriter : public RowWriter {
   ImageFileSpec spec_;
   int rows_written_ = 0;
 };
+
+/// Rounded to nearest and clamped; a value that is not a number becomes 0.
+std::uint8_t to_u8(float sample);
+std::uint16_t to_u16(float sample);
 
 /// Appends samples as u8, or as u16 with the high byte first, to `bytes`.
 void append_samples(std::span<const float> samples, SampleType type, std::vector<std::byte>& bytes);

@@ -1,41 +1,55 @@
-#include <algorithm>
+#include <cstdint>
 #include <opencv2/imgcodecs.hpp>
-#include <opencv2/imgproc.hpp>
 
 #include "codec.h"
 #include "probe.h"
 #include "quiet.h"
 
-// The only file that knows OpenCV. See docs/decisions/0002-png-and-pnm-without-opencv.md for what is not here.
+// The only file that knows OpenCV. See docs/decisions/0002-png-and-pnm-without-opencv.md for what is not
+// here.
 namespace knotreel::image {
 namespace {
 
-/// From OpenCV's BGR order and own depth to ours.
+/// Position in our RGB(A) order of channel c in OpenCV's BGR(A); the exchange is its own inverse.
+int swapped(int c, int channels) {
+  return channels >= 3 && c < 3 ? 2 - c : c;
+}
+
+template <typename Stored>
+void copy_samples(const cv::Mat& mat, Image& image, double divisor) {
+  const int channels = image.channels;
+  for (int y = 0; y < image.height; ++y) {
+    const Stored* from = mat.ptr<Stored>(y);
+    float* to = image.row(y).data();
+    for (int x = 0; x < image.width; ++x, from += channels, to += channels) {
+      for (int c = 0; c < channels; ++c)
+        to[c] = static_cast<float>(double(from[swapped(c, channels)]) / divisor);
+    }
+  }
+}
+
 Decoded from_mat(const cv::Mat& mat) {
-  Decoded decoded;
-  double scale = 1;
+  if (mat.channels() > 4) throw DecodeError("it has more than 4 channels");
+  Decoded decoded{make_image(mat.cols, mat.rows, mat.channels()), SampleType::u8};
   switch (mat.depth()) {
     case CV_8U:
-      decoded.samples = SampleType::u8;
+      copy_samples<std::uint8_t>(mat, decoded.image, 1);
       break;
     case CV_16U:
       decoded.samples = SampleType::u16;
-      scale = 255.0 / 65535;
+      copy_samples<std::uint16_t>(mat, decoded.image, 257);
       break;
     case CV_32F:
+      decoded.samples = SampleType::f32;
+      copy_samples<float>(mat, decoded.image, 1.0 / 255);
+      break;
     case CV_64F:
       decoded.samples = SampleType::f32;
-      scale = 255;
+      copy_samples<double>(mat, decoded.image, 1.0 / 255);
       break;
     default:
       throw DecodeError("its kind of samples is not supported");
   }
-  if (mat.channels() > 4) throw DecodeError("it has more than 4 channels");
-  decoded.image = make_image(mat.cols, mat.rows, mat.channels());
-  cv::Mat ours(mat.rows, mat.cols, CV_32FC(mat.channels()), decoded.image.samples.data());
-  mat.convertTo(ours, CV_32F, scale);
-  if (mat.channels() == 3) cv::cvtColor(ours, ours, cv::COLOR_BGR2RGB);
-  if (mat.channels() == 4) cv::cvtColor(ours, ours, cv::COLOR_BGRA2RGBA);
   return decoded;
 }
 
@@ -46,7 +60,8 @@ Image without_empty_alpha(const Image& image) {
     if (image.samples[i] != 0) return image;
   }
   Image opaque = make_image(image.width, image.height, 3);
-  for (std::size_t i = 0; i < opaque.samples.size(); ++i) opaque.samples[i] = image.samples[i / 3 * 4 + i % 3];
+  for (std::size_t i = 0; i < opaque.samples.size(); ++i)
+    opaque.samples[i] = image.samples[i / 3 * 4 + i % 3];
   return opaque;
 }
 
@@ -58,19 +73,29 @@ class OpenCvWriter final : public CheckedRowWriter {
 
  private:
   static int type(const ImageFileSpec& spec) {
-    const int depth = spec.samples == SampleType::u8 ? CV_8U : spec.samples == SampleType::u16 ? CV_16U : CV_32F;
+    const int depth = spec.samples == SampleType::u8    ? CV_8U
+                      : spec.samples == SampleType::u16 ? CV_16U
+                                                        : CV_32F;
     return CV_MAKETYPE(depth, spec.channels);
   }
 
   void write_row(std::span<const float> row) override {
-    const cv::Mat ours(1, spec().width, CV_32FC(spec().channels), const_cast<float*>(row.data()));
-    const double scale = spec().samples == SampleType::u8    ? 1
-                         : spec().samples == SampleType::u16 ? 65535.0 / 255
-                                                             : 1.0 / 255;
-    cv::Mat target = mat_.row(rows_written());
-    ours.convertTo(target, mat_.depth(), scale);
-    if (spec().channels == 3) cv::cvtColor(target, target, cv::COLOR_RGB2BGR);
-    if (spec().channels == 4) cv::cvtColor(target, target, cv::COLOR_RGBA2BGRA);
+    const int channels = spec().channels;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const int c = static_cast<int>(i % std::size_t(channels));
+      const std::size_t place = i - std::size_t(c) + std::size_t(swapped(c, channels));
+      switch (spec().samples) {
+        case SampleType::u8:
+          mat_.ptr<std::uint8_t>(rows_written())[place] = to_u8(row[i]);
+          break;
+        case SampleType::u16:
+          mat_.ptr<std::uint16_t>(rows_written())[place] = to_u16(row[i]);
+          break;
+        case SampleType::f32:
+          mat_.ptr<float>(rows_written())[place] = row[i] / 255.0F;
+          break;
+      }
+    }
   }
 
   void complete() override {
@@ -84,6 +109,7 @@ class OpenCvWriter final : public CheckedRowWriter {
         break;
       case ImageFormat::kTiff:
         extension = ".tiff";
+        options = {cv::IMWRITE_TIFF_COMPRESSION, 5};  // LZW; the default for floats loses precision (LogLuv)
         break;
       case ImageFormat::kWebp:
         extension = ".webp";
@@ -114,8 +140,8 @@ Decoded decode_with_opencv(std::span<const std::byte> file, ImageFormat format) 
   const ProbedSize size = probe_size(file, format);
   check_size(size.width, size.height);
   // IMREAD_UNCHANGED keeps alpha but ignores the EXIF orientation; a JPEG has the latter and no alpha.
-  const int flags =
-      format == ImageFormat::kJpeg ? int{cv::IMREAD_ANYCOLOR} | int{cv::IMREAD_ANYDEPTH} : int{cv::IMREAD_UNCHANGED};
+  const int flags = format == ImageFormat::kJpeg ? int{cv::IMREAD_ANYCOLOR} | int{cv::IMREAD_ANYDEPTH}
+                                                 : int{cv::IMREAD_UNCHANGED};
   try {
     cv::Mat mat;
     {

@@ -33,7 +33,8 @@ class Scanner {
     const std::string_view digits = word();
     unsigned value = 0;
     const auto [end, status] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
-    if (status != std::errc() || end != digits.data() + digits.size() || value > largest) throw DecodeError("its header is damaged");
+    if (status != std::errc() || end != digits.data() + digits.size() || value > largest)
+      throw DecodeError("its header is damaged");
     return value;
   }
 
@@ -85,8 +86,13 @@ struct Header {
   unsigned maxval = 0;
 };
 
+float sample_of(unsigned value, const Header& header) {
+  return static_cast<float>(255.0 * std::min(value, header.maxval) / header.maxval);
+}
+
 Image image_for(const Header& header) {
-  return make_image(static_cast<int>(header.width), static_cast<int>(header.height), static_cast<int>(header.channels));
+  return make_image(static_cast<int>(header.width), static_cast<int>(header.height),
+                    static_cast<int>(header.channels));
 }
 
 void check(const Header& header) {
@@ -100,20 +106,20 @@ Decoded read_integers(Scanner& scanner, const Header& header) {
   const bool wide = header.maxval > 255;
   const auto bytes = scanner.binary(wide ? 2 * count : count);
   Decoded decoded{image_for(header), wide ? SampleType::u16 : SampleType::u8};
-  const float scale = 255.0F / static_cast<float>(header.maxval);
   for (std::size_t i = 0; i < count; ++i) {
-    const unsigned value = wide ? std::to_integer<unsigned>(bytes[2 * i]) << 8 | std::to_integer<unsigned>(bytes[2 * i + 1])
-                                : std::to_integer<unsigned>(bytes[i]);
-    decoded.image.samples[i] = scale * static_cast<float>(std::min(value, header.maxval));
+    const unsigned value =
+        wide ? std::to_integer<unsigned>(bytes[2 * i]) << 8 | std::to_integer<unsigned>(bytes[2 * i + 1])
+             : std::to_integer<unsigned>(bytes[i]);
+    decoded.image.samples[i] = sample_of(value, header);
   }
   return decoded;
 }
 
 Decoded read_plain(Scanner& scanner, const Header& header) {
-  scanner.expect(2 * std::uint64_t{header.width} * header.height * header.channels);  // a blank and a digit each
+  scanner.expect(2 * std::uint64_t{header.width} * header.height *
+                 header.channels);  // a blank and a digit each
   Decoded decoded{image_for(header), header.maxval > 255 ? SampleType::u16 : SampleType::u8};
-  const float scale = 255.0F / static_cast<float>(header.maxval);
-  for (float& sample : decoded.image.samples) sample = scale * static_cast<float>(scanner.number(header.maxval));
+  for (float& sample : decoded.image.samples) sample = sample_of(scanner.number(header.maxval), header);
   return decoded;
 }
 

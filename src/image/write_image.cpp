@@ -40,9 +40,10 @@ ImageFormat choose_format(const std::filesystem::path& path, const ImageFileSpec
   if (!extension.empty()) {
     if (const auto format = format_of_extension(extension.substr(1))) return *format;
   }
-  throw Error(ErrorKind::kInvalidArgument, "the name '" + path.string() +
-                                               "' does not end in a known picture format (png, ppm, pgm, pam, "
-                                               "pfm, tiff, jpg, webp, bmp)");
+  throw Error(ErrorKind::kInvalidArgument,
+              "the name '" + path.string() +
+                  "' does not end in a known picture format (png, ppm, pgm, pam, "
+                  "pfm, tiff, jpg, webp, bmp)");
 }
 
 void check_spec(const ImageFileSpec& spec) {
@@ -50,13 +51,16 @@ void check_spec(const ImageFileSpec& spec) {
   const auto refuse = [](const std::string& why) { throw Error(ErrorKind::kInvalidArgument, why); };
   if (spec.width < 1 || spec.height < 1) refuse("a picture needs at least one pixel");
   const Abilities can = abilities(*spec.format);
-  const bool depth = spec.samples == SampleType::u8 ? can.u8 : spec.samples == SampleType::u16 ? can.u16 : can.f32;
+  const bool depth = spec.samples == SampleType::u8    ? can.u8
+                     : spec.samples == SampleType::u16 ? can.u16
+                                                       : can.f32;
   if (!depth) {
     const char* wanted = spec.samples == SampleType::u8    ? "8-bit"
                          : spec.samples == SampleType::u16 ? "16-bit"
                                                            : "float";
-    refuse(name + " does not hold " + wanted + " samples (8-bit: all but pfm; 16-bit: png, ppm, pam, tiff; float: "
-                                               "pfm, tiff)");
+    refuse(name + " does not hold " + wanted +
+           " samples (8-bit: all but pfm; 16-bit: png, ppm, pam, tiff; float: "
+           "pfm, tiff)");
   }
   const bool channels[] = {can.grey, can.grey_alpha, can.rgb, can.rgb_alpha};
   if (spec.channels < 1 || spec.channels > 4) refuse("a picture has 1 to 4 channels");
@@ -65,26 +69,32 @@ void check_spec(const ImageFileSpec& spec) {
                                       : " does not hold alpha; use png, pam, tiff or webp, or a background"));
   }
   if (can.whole_in_memory && std::uint64_t(spec.width) * std::uint64_t(spec.height) > kMaxPixels) {
-    refuse("a " + name + " file of more than " + std::to_string(kMaxPixels) + " pixels is not supported; use png");
+    refuse("a " + name + " file of more than " + std::to_string(kMaxPixels) +
+           " pixels is not supported; use png");
   }
 }
 
-/// Rounds to nearest and clamps; a value that is not a number becomes 0.
-std::uint16_t quantise(float value, float scale, float largest) {
-  const float scaled = value * scale + 0.5F;
-  if (!(scaled > 0)) return 0;
-  return static_cast<std::uint16_t>(std::min(scaled, largest));
+float scaled(float sample, float scale, float largest) {
+  const float value = sample * scale + 0.5F;
+  return value > 0 ? std::min(value, largest) : 0;
 }
 
 }  // namespace
 
+std::uint8_t to_u8(float sample) {
+  return static_cast<std::uint8_t>(scaled(sample, 1, 255));
+}
+std::uint16_t to_u16(float sample) {
+  return static_cast<std::uint16_t>(scaled(sample, 257, 65535));
+}
+
 void append_samples(std::span<const float> samples, SampleType type, std::vector<std::byte>& bytes) {
   if (type == SampleType::u8) {
-    for (const float sample : samples) bytes.push_back(static_cast<std::byte>(quantise(sample, 1, 255)));
+    for (const float sample : samples) bytes.push_back(static_cast<std::byte>(to_u8(sample)));
     return;
   }
   for (const float sample : samples) {
-    const std::uint16_t value = quantise(sample, 257, 65535);
+    const std::uint16_t value = to_u16(sample);
     bytes.push_back(static_cast<std::byte>(value >> 8));
     bytes.push_back(static_cast<std::byte>(value & 0xff));
   }
@@ -122,8 +132,8 @@ std::unique_ptr<RowWriter> open_image_writer(const std::filesystem::path& path, 
       return make_pnm_writer(std::move(file), spec);
     case ImageFormat::kPfm:
       if (!file->seekable()) {
-        throw Error(ErrorKind::kOutput,
-                    "cannot write '" + file->name() + "': PFM is stored bottom row first and needs a real file");
+        throw Error(ErrorKind::kOutput, "cannot write '" + file->name() +
+                                            "': PFM is stored bottom row first and needs a real file");
       }
       return make_pnm_writer(std::move(file), spec);
     default:
@@ -132,7 +142,8 @@ std::unique_ptr<RowWriter> open_image_writer(const std::filesystem::path& path, 
 }
 
 void write_image(const std::filesystem::path& path, const Image& image, SampleType samples) {
-  const auto writer = open_image_writer(path, {image.width, image.height, image.channels, samples, std::nullopt});
+  const auto writer =
+      open_image_writer(path, {image.width, image.height, image.channels, samples, std::nullopt});
   writer->write(image.samples, image.height);
   writer->finish();
 }
