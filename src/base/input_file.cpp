@@ -15,21 +15,20 @@
 namespace knotreel {
 namespace {
 
-[[noreturn]] void fail(const std::filesystem::path& path, const std::string& why) {
-  const std::string name = path == "-" ? "standard input" : path.string();
-  throw Error(ErrorKind::kInput, "cannot read '" + name + "': " + why);
+[[noreturn]] void fail(const std::filesystem::path& path, const std::string& kind, const std::string& why) {
+  throw Error(ErrorKind::kInput, cannot_read(path, kind) + why);
 }
 
 /// An open descriptor; standard input is not closed.
 class Descriptor {
  public:
-  explicit Descriptor(const std::filesystem::path& path, bool dash_is_stdin) {
+  Descriptor(const std::filesystem::path& path, const std::string& kind, bool dash_is_stdin) {
     if (dash_is_stdin && path == "-") {
       value_ = STDIN_FILENO;
       return;
     }
     value_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
-    if (value_ < 0) fail(path, std::generic_category().message(errno));
+    if (value_ < 0) fail(path, kind, std::generic_category().message(errno));
     owned_ = true;
   }
   ~Descriptor() {
@@ -45,13 +44,14 @@ class Descriptor {
 };
 
 /// Reads until `bytes` is full or the input ends; shrinks it to what came.
-std::size_t read_into(int descriptor, std::byte* to, std::size_t count, const std::filesystem::path& path) {
+std::size_t read_into(int descriptor, std::byte* to, std::size_t count, const std::filesystem::path& path,
+                      const std::string& kind) {
   std::size_t got = 0;
   while (got < count) {
     const ssize_t done = ::read(descriptor, to + got, count - got);
     if (done < 0) {
       if (errno == EINTR) continue;
-      fail(path, std::generic_category().message(errno));
+      fail(path, kind, std::generic_category().message(errno));
     }
     if (done == 0) break;
     got += static_cast<std::size_t>(done);
@@ -61,19 +61,28 @@ std::size_t read_into(int descriptor, std::byte* to, std::size_t count, const st
 
 }  // namespace
 
+std::string cannot_read(const std::filesystem::path& path, const std::string& kind) {
+  std::string message = "cannot read ";
+  if (!kind.empty()) message += kind + " ";
+  if (path != "-") return message + "'" + path.string() + "': ";
+  return message + (kind.empty() ? "standard input: " : "from standard input: ");
+}
+
 std::vector<std::byte> read_start(const std::filesystem::path& path, std::size_t count) {
-  const Descriptor descriptor(path, false);
+  const Descriptor descriptor(path, {}, false);
   std::vector<std::byte> bytes(count);
-  bytes.resize(read_into(descriptor.get(), bytes.data(), count, path));
+  bytes.resize(read_into(descriptor.get(), bytes.data(), count, path, {}));
   return bytes;
 }
 
-std::vector<std::byte> read_whole(const std::filesystem::path& path, std::uint64_t max_bytes) {
-  const Descriptor descriptor(path, true);
+std::vector<std::byte> read_whole(const std::filesystem::path& path, std::uint64_t max_bytes,
+                                  const std::string& kind) {
+  const Descriptor descriptor(path, kind, true);
   struct stat status {};
   std::size_t expected = 0;
   if (::fstat(descriptor.get(), &status) == 0 && S_ISREG(status.st_mode)) {
-    expected = static_cast<std::size_t>(std::min<std::uint64_t>(static_cast<std::uint64_t>(status.st_size), max_bytes));
+    expected = static_cast<std::size_t>(
+        std::min<std::uint64_t>(static_cast<std::uint64_t>(status.st_size), max_bytes));
   }
   std::vector<std::byte> bytes;
   try {
@@ -82,16 +91,16 @@ std::vector<std::byte> read_whole(const std::filesystem::path& path, std::uint64
     while (true) {
       const std::size_t before = bytes.size();
       bytes.resize(before + step);
-      const std::size_t got = read_into(descriptor.get(), bytes.data() + before, step, path);
+      const std::size_t got = read_into(descriptor.get(), bytes.data() + before, step, path, kind);
       bytes.resize(before + got);
       if (bytes.size() > max_bytes) {
-        fail(path, "larger than the " + std::to_string(max_bytes >> 20) + " MiB that are accepted");
+        fail(path, kind, "larger than the " + std::to_string(max_bytes >> 20) + " MiB that are accepted");
       }
       if (got < step) return bytes;
       step = std::max<std::size_t>(bytes.size(), 1 << 16);
     }
   } catch (const std::bad_alloc&) {
-    fail(path, "not enough memory");
+    fail(path, kind, "not enough memory");
   }
 }
 

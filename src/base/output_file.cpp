@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kBufferBytes = 256 * 1024;
 }  // namespace
 
-OutputFile::OutputFile(const fs::path& path) : name_(path.string()), target_(path) {
+OutputFile::OutputFile(const fs::path& path) : name_("'" + path.string() + "'"), target_(path) {
   buffer_.reserve(kBufferBytes);
   if (path == "-") {
     descriptor_ = STDOUT_FILENO;
@@ -63,7 +63,9 @@ void OutputFile::write(std::span<const std::byte> bytes) {
   }
 }
 
-void OutputFile::write(const std::string& text) { write(std::as_bytes(std::span(text))); }
+void OutputFile::write(const std::string& text) {
+  write(std::as_bytes(std::span(text)));
+}
 
 void OutputFile::write_at(std::uint64_t offset, std::span<const std::byte> bytes) {
   if (!seekable_) fail(ESPIPE);
@@ -88,7 +90,8 @@ void OutputFile::flush() {
 
 void OutputFile::write_all(const std::byte* data, std::size_t count, std::int64_t offset) {
   while (count > 0) {
-    const ssize_t done = offset < 0 ? ::write(descriptor_, data, count) : ::pwrite(descriptor_, data, count, offset);
+    const ssize_t done =
+        offset < 0 ? ::write(descriptor_, data, count) : ::pwrite(descriptor_, data, count, offset);
     if (done < 0) {
       if (errno == EINTR) continue;
       fail(errno);
@@ -100,8 +103,7 @@ void OutputFile::write_all(const std::byte* data, std::size_t count, std::int64_
 }
 
 void OutputFile::fail(int system_error) const {
-  const std::string message =
-      "cannot write '" + name_ + "': " + std::generic_category().message(system_error);
+  const std::string message = "cannot write " + name_ + ": " + std::generic_category().message(system_error);
   if (system_error == EPIPE) throw BrokenPipe(ErrorKind::kOutput, message);
   throw Error(ErrorKind::kOutput, message);
 }

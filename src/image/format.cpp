@@ -14,7 +14,8 @@ std::optional<ImageFormat> detect_format(std::span<const std::byte> start) {
   if (text.starts_with("\x89PNG\r\n\x1a\n"sv)) return ImageFormat::kPng;
   if (text.starts_with("\xff\xd8\xff"sv)) return ImageFormat::kJpeg;
   if (text.starts_with("II*\0"sv) || text.starts_with("MM\0*"sv)) return ImageFormat::kTiff;
-  if (text.starts_with("RIFF"sv) && text.size() >= 12 && text.substr(8, 4) == "WEBP"sv) return ImageFormat::kWebp;
+  if (text.starts_with("RIFF"sv) && text.size() >= 12 && text.substr(8, 4) == "WEBP"sv)
+    return ImageFormat::kWebp;
   if (text.starts_with("BM"sv)) return ImageFormat::kBmp;
   if (text.size() >= 3 && text[0] == 'P' && std::isspace(static_cast<unsigned char>(text[2])) != 0) {
     if (text[1] >= '1' && text[1] <= '6') return ImageFormat::kPnm;

@@ -8,14 +8,15 @@ namespace knotreel::image {
 
 Image make_image(int width, int height, int channels) {
   if (width < 1 || height < 1 || channels < 1 || channels > 4) {
-    throw Error(ErrorKind::kInvalidArgument, "a picture of " + std::to_string(width) + "x" + std::to_string(height) +
-                                                 " pixels and " + std::to_string(channels) +
-                                                 " channels cannot exist");
+    throw Error(ErrorKind::kInvalidArgument, "a picture of " + std::to_string(width) + "x" +
+                                                 std::to_string(height) + " pixels and " +
+                                                 std::to_string(channels) + " channels cannot exist");
   }
   Image image{width, height, channels, {}};
   if (image.pixel_count() > kMaxPixels) {
-    throw Error(ErrorKind::kInvalidArgument, "a picture of " + std::to_string(width) + "x" + std::to_string(height) +
-                                                 " has more than " + std::to_string(kMaxPixels) + " pixels");
+    throw Error(ErrorKind::kInvalidArgument, "a picture of " + std::to_string(width) + "x" +
+                                                 std::to_string(height) + " has more than " +
+                                                 std::to_string(kMaxPixels) + " pixels");
   }
   image.samples.assign(std::size_t(height) * image.row_size(), 0.0F);
   return image;
@@ -31,7 +32,8 @@ Image widen_channels(const Image& image, int channels) {
   const int colours = image.colour_channels();
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      for (int c = 0; c < wide.colour_channels(); ++c) wide.at(x, y, c) = image.at(x, y, colours == 1 ? 0 : c);
+      for (int c = 0; c < wide.colour_channels(); ++c)
+        wide.at(x, y, c) = image.at(x, y, colours == 1 ? 0 : c);
       if (wide.has_alpha()) {
         wide.at(x, y, wide.channels - 1) = image.has_alpha() ? image.at(x, y, image.channels - 1) : 255.0F;
       }

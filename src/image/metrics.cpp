@@ -15,12 +15,14 @@ namespace {
 
 /// Sums of one row; rows are added up in order, so that the number of threads does not show.
 struct RowSums {
-  double length = 0;         // of the colour error
-  double squared = 0;        // colour error
-  double squared_8bit = 0;   // rounded samples, all channels
+  double length = 0;        // of the colour error
+  double squared = 0;       // colour error
+  double squared_8bit = 0;  // rounded samples, all channels
 };
 
-double rounded(float sample) { return std::clamp(std::floor(double{sample} + 0.5), 0.0, 255.0); }
+double rounded(float sample) {
+  return std::clamp(std::floor(double{sample} + 0.5), 0.0, 255.0);
+}
 
 RowSums sum_row(std::span<const float> a, std::span<const float> b, int channels, int colours) {
   RowSums sums;
@@ -141,7 +143,8 @@ ImageMetrics compare_same_channels(const Image& a, const Image& b) {
   metrics.mec = sums.length / pixels;
   metrics.rmse = std::sqrt(sums.squared / (pixels * a.colour_channels())) / 255;
   const double mean_squared = sums.squared_8bit / (pixels * a.channels);
-  metrics.psnr = mean_squared == 0 ? std::numeric_limits<double>::infinity() : 10 * std::log10(255 * 255 / mean_squared);
+  metrics.psnr =
+      mean_squared == 0 ? std::numeric_limits<double>::infinity() : 10 * std::log10(255 * 255 / mean_squared);
   metrics.ssim = mean_ssim(luma(a), luma(b));
   return metrics;
 }
@@ -150,9 +153,9 @@ ImageMetrics compare_same_channels(const Image& a, const Image& b) {
 
 ImageMetrics compare_images(const Image& a, const Image& b) {
   if (a.width != b.width || a.height != b.height) {
-    throw Error(ErrorKind::kInvalidArgument,
-                "the pictures differ in size: " + std::to_string(a.width) + "x" + std::to_string(a.height) + " and " +
-                    std::to_string(b.width) + "x" + std::to_string(b.height));
+    throw Error(ErrorKind::kInvalidArgument, "the pictures differ in size: " + std::to_string(a.width) + "x" +
+                                                 std::to_string(a.height) + " and " +
+                                                 std::to_string(b.width) + "x" + std::to_string(b.height));
   }
   if (a.pixel_count() == 0) throw Error(ErrorKind::kInvalidArgument, "the pictures are empty");
   if (a.channels == b.channels) return compare_same_channels(a, b);

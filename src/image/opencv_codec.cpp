@@ -120,7 +120,7 @@ class OpenCvWriter final : public CheckedRowWriter {
         break;
     }
     const auto fail = [&](const std::string& why) {
-      throw Error(ErrorKind::kOutput, "cannot write '" + file().name() + "': " + why);
+      throw Error(ErrorKind::kOutput, "cannot write " + file().name() + ": " + why);
     };
     try {
       const QuietStandardError quiet;

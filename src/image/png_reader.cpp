@@ -87,7 +87,8 @@ Decoded decode_png(std::span<const std::byte> file) {
   });
 
   Decoded decoded;
-  decoded.image = make_image(static_cast<int>(source.width), static_cast<int>(source.height), source.channels);
+  decoded.image =
+      make_image(static_cast<int>(source.width), static_cast<int>(source.height), source.channels);
   decoded.samples = source.bit_depth == 16 ? SampleType::u16 : SampleType::u8;
   std::vector<float>& samples = decoded.image.samples;
   if (source.bit_depth == 16) {

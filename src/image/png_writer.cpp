@@ -8,11 +8,12 @@
 namespace knotreel::image {
 namespace {
 
-/// Streams rows into libpng. An exception of the output file must not cross libpng's C frames: the callback keeps
-/// it and leaves by longjmp, and guarded() throws it again.
+/// Streams rows into libpng. An exception of the output file must not cross libpng's C frames: the callback
+/// keeps it and leaves by longjmp, and guarded() throws it again.
 class PngWriter final : public CheckedRowWriter {
  public:
-  PngWriter(std::unique_ptr<OutputFile> file, const ImageFileSpec& spec) : CheckedRowWriter(std::move(file), spec) {
+  PngWriter(std::unique_ptr<OutputFile> file, const ImageFileSpec& spec)
+      : CheckedRowWriter(std::move(file), spec) {
     png_ = png_create_write_struct(PNG_LIBPNG_VER_STRING, this, on_error, on_warning);
     if (png_ != nullptr) info_ = png_create_info_struct(png_);
     if (info_ == nullptr) {
@@ -42,7 +43,7 @@ class PngWriter final : public CheckedRowWriter {
   [[noreturn]] static void on_error(png_structp png, png_const_charp message) {
     if (!self(png).failure_) {
       self(png).failure_ = std::make_exception_ptr(
-          Error(ErrorKind::kOutput, "cannot write '" + self(png).file().name() + "': " + message));
+          Error(ErrorKind::kOutput, "cannot write " + self(png).file().name() + ": " + message));
     }
     png_longjmp(png, 1);
   }
@@ -70,9 +71,10 @@ class PngWriter final : public CheckedRowWriter {
     guarded([this] {
       png_set_write_fn(png_, nullptr, write_bytes, nullptr);
       png_set_user_limits(png_, 0x7fffffff, 0x7fffffff);
-      png_set_IHDR(png_, info_, static_cast<png_uint_32>(spec().width), static_cast<png_uint_32>(spec().height),
-                   spec().samples == SampleType::u16 ? 16 : 8, colour_type(spec().channels), PNG_INTERLACE_NONE,
-                   PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
+      png_set_IHDR(png_, info_, static_cast<png_uint_32>(spec().width),
+                   static_cast<png_uint_32>(spec().height), spec().samples == SampleType::u16 ? 16 : 8,
+                   colour_type(spec().channels), PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+                   PNG_FILTER_TYPE_DEFAULT);
       // One cheap filter and a low level: on smooth renderings, files are a tenth larger than with libpng's
       // defaults and writing takes a third of the time.
       png_set_compression_level(png_, 3);

@@ -22,7 +22,8 @@ const char* tuple_type(int channels) {
 /// PGM, PPM and PAM: a line of text and raw samples, high byte first.
 class RawWriter final : public CheckedRowWriter {
  public:
-  RawWriter(std::unique_ptr<OutputFile> opened, const ImageFileSpec& spec) : CheckedRowWriter(std::move(opened), spec) {
+  RawWriter(std::unique_ptr<OutputFile> opened, const ImageFileSpec& spec)
+      : CheckedRowWriter(std::move(opened), spec) {
     const std::string width = std::to_string(spec.width);
     const std::string height = std::to_string(spec.height);
     const std::string maxval = spec.samples == SampleType::u16 ? "65535" : "255";
@@ -30,7 +31,8 @@ class RawWriter final : public CheckedRowWriter {
       file().write("P7\nWIDTH " + width + "\nHEIGHT " + height + "\nDEPTH " + std::to_string(spec.channels) +
                    "\nMAXVAL " + maxval + "\nTUPLTYPE " + tuple_type(spec.channels) + "\nENDHDR\n");
     } else {
-      file().write(std::string(spec.channels == 1 ? "P5" : "P6") + "\n" + width + " " + height + "\n" + maxval + "\n");
+      file().write(std::string(spec.channels == 1 ? "P5" : "P6") + "\n" + width + " " + height + "\n" +
+                   maxval + "\n");
     }
   }
 
@@ -48,7 +50,8 @@ class RawWriter final : public CheckedRowWriter {
 /// PFM keeps its rows from bottom to top, so each is put where it belongs.
 class PfmWriter final : public CheckedRowWriter {
  public:
-  PfmWriter(std::unique_ptr<OutputFile> opened, const ImageFileSpec& spec) : CheckedRowWriter(std::move(opened), spec) {
+  PfmWriter(std::unique_ptr<OutputFile> opened, const ImageFileSpec& spec)
+      : CheckedRowWriter(std::move(opened), spec) {
     constexpr bool kLittle = std::endian::native == std::endian::little;
     file().write(std::string(spec.channels == 1 ? "Pf" : "PF") + "\n" + std::to_string(spec.width) + " " +
                  std::to_string(spec.height) + "\n" + (kLittle ? "-1.0" : "1.0") + "\n");

@@ -27,7 +27,9 @@ class Bytes {
   std::span<const std::byte> file_;
 };
 
-[[noreturn]] void damaged() { throw DecodeError("its header is damaged"); }
+[[noreturn]] void damaged() {
+  throw DecodeError("its header is damaged");
+}
 
 bool has_end_marker(const Bytes& bytes, std::size_t from) {
   for (std::size_t at = bytes.size() - 1; at > from; --at) {
@@ -46,7 +48,7 @@ ProbedSize probe_jpeg(const Bytes& bytes) {
     const std::uint32_t marker = bytes.u8(at + 1);
     at += 2;
     if (marker == 0x01 || (marker >= 0xd0 && marker <= 0xd7)) continue;  // no length
-    if (marker == 0xd9) damaged();                                      // ends before a scan
+    if (marker == 0xd9) damaged();                                       // ends before a scan
     const std::uint32_t length = bytes.be16(at);
     if (length < 2) damaged();
     const bool start_of_frame =

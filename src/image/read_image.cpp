@@ -16,7 +16,8 @@ constexpr std::uint64_t kMaxFileBytes = std::uint64_t{1} << 30;
 Decoded decode(std::span<const std::byte> file) {
   if (file.empty()) throw DecodeError("the file is empty");
   const std::optional<ImageFormat> format = detect_format(file);
-  if (!format) throw DecodeError("not a picture in a known format (PNG, JPEG, TIFF, WebP, BMP, PNM, PAM, PFM)");
+  if (!format)
+    throw DecodeError("not a picture in a known format (PNG, JPEG, TIFF, WebP, BMP, PNM, PAM, PFM)");
   switch (*format) {
     case ImageFormat::kPng:
       return decode_png(file);
@@ -46,19 +47,10 @@ void check_size(std::uint64_t width, std::uint64_t height) {
 }
 
 Image read_image(const std::filesystem::path& path, ImageFileInfo* info) {
-  const std::string name = path == "-" ? "standard input" : path.string();
+  const std::vector<std::byte> file = read_whole(path, kMaxFileBytes, "image");
   const auto error = [&](const std::string& why) {
-    return Error(ErrorKind::kInput, "cannot read image '" + name + "': " + why);
+    return Error(ErrorKind::kInput, cannot_read(path, "image") + why);
   };
-  std::vector<std::byte> file;
-  try {
-    file = read_whole(path, kMaxFileBytes);
-  } catch (const Error& e) {
-    // Same reason, but told as an image.
-    const std::string text = e.what();
-    const std::size_t reason = text.find("': ");
-    throw error(reason == std::string::npos ? text : text.substr(reason + 3));
-  }
   try {
     Decoded decoded = decode(file);
     if (decoded.samples == SampleType::f32) check_finite(decoded.image);

@@ -132,8 +132,8 @@ std::unique_ptr<RowWriter> open_image_writer(const std::filesystem::path& path, 
       return make_pnm_writer(std::move(file), spec);
     case ImageFormat::kPfm:
       if (!file->seekable()) {
-        throw Error(ErrorKind::kOutput, "cannot write '" + file->name() +
-                                            "': PFM is stored bottom row first and needs a real file");
+        throw Error(ErrorKind::kOutput, "cannot write " + file->name() +
+                                            ": PFM is stored bottom row first and needs a real file");
       }
       return make_pnm_writer(std::move(file), spec);
     default:

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <filesystem>
+#include <string>
 #include <vector>
 
 namespace knotreel {
@@ -13,7 +14,12 @@ std::vector<std::byte> read_start(const std::filesystem::path& path, std::size_t
 
 /// Reads a whole file, or standard input for `-`.
 /// @param max_bytes  larger inputs are refused, after at most that many bytes (endless pipes and devices).
-/// @throws Error{kInput}: `cannot read 'x': <why>`.
-std::vector<std::byte> read_whole(const std::filesystem::path& path, std::uint64_t max_bytes);
+/// @param kind       what the file should be, for the message, such as "image"; may be empty.
+/// @throws Error{kInput}: `cannot read image 'x': <why>`.
+std::vector<std::byte> read_whole(const std::filesystem::path& path, std::uint64_t max_bytes,
+                                  const std::string& kind = {});
+
+/// The start of such messages: "cannot read image 'x': " or "cannot read image from standard input: ".
+std::string cannot_read(const std::filesystem::path& path, const std::string& kind = {});
 
 }  // namespace knotreel

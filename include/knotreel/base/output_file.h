@@ -11,18 +11,18 @@
 
 namespace knotreel {
 
-/// The reader of a pipe that we write to has gone away. A kOutput error of its own type, because a program in a
-/// pipeline ends quietly then.
+/// The reader of a pipe that we write to has gone away. A kOutput error of its own type, because a program in
+/// a pipeline ends quietly then.
 class BrokenPipe : public Error {
  public:
   using Error::Error;
 };
 
 /// A file that appears under its name only once it is whole. Bytes go to a `.part` file in the same folder,
-/// which commit() renames; an object that is destroyed without commit() removes it and leaves whatever had the
-/// name before. `-` is standard output, which, like devices and pipes, is written directly.
-/// One thread at a time. Every failure is an Error{kOutput} with the path and the system's reason; writing to
-/// a pipe without a reader throws BrokenPipe provided that SIGPIPE is ignored.
+/// which commit() renames; an object that is destroyed without commit() removes it and leaves whatever had
+/// the name before. `-` is standard output, which, like devices and pipes, is written directly. One thread at
+/// a time. Every failure is an Error{kOutput} with the path and the system's reason; writing to a pipe
+/// without a reader throws BrokenPipe provided that SIGPIPE is ignored.
 class OutputFile {
  public:
   explicit OutputFile(const std::filesystem::path& path);
@@ -44,7 +44,7 @@ class OutputFile {
   /// Flushes, closes and renames. Nothing may be written afterwards.
   void commit();
 
-  /// The path as given, for messages.
+  /// For messages: the path as given, in quotes, or "standard output".
   const std::string& name() const { return name_; }
 
  private:
