@@ -14,15 +14,13 @@
 namespace knotreel::cli {
 namespace {
 
-/// Rows rendered by one task and rows handed over at once. They depend on the width alone: were they to
-/// depend on the number of threads, a renderer that starts from the neighbouring pixel could show it.
-struct Bands {
-  explicit Bands(int width)
-      : strip(std::clamp((1 << 17) / width, 1, 32)),
-        band(std::max(strip, (1 << 20) / width / strip * strip)) {}
-  int strip;
-  int band;
-};
+/// Of a document from standard input; it has to be held in memory.
+constexpr std::uint64_t kMaxPipedBytes = std::uint64_t{1} << 32;
+
+/// Rows handed over at once: about a million pixels.
+int band_rows(int width) {
+  return std::max(1, (1 << 20) / width);
+}
 
 /// In place; the result is tightly packed at the front.
 void put_on_background(std::vector<float>& samples, int channels, const std::array<float, 3>& background) {
@@ -53,6 +51,11 @@ bool is_picture(const std::filesystem::path& path) {
   return !extension.empty() && image::format_of_extension(extension.substr(1)).has_value();
 }
 
+document::Reader open_document(const std::filesystem::path& path) {
+  if (path != "-") return document::Reader::open(path);
+  return document::Reader::open(read_whole(path, kMaxPipedBytes, "document"), "standard input");
+}
+
 document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame) {
   if (frame >= reader.frame_count()) {
     throw Error(ErrorKind::kInvalidArgument, "there is no frame " + std::to_string(frame) +
@@ -68,28 +71,21 @@ int channels_on(const Background& background, int channels) {
 
 void stream_rendering(const raster::Renderer& renderer, const Background& background,
                       image::RowWriter& writer) {
-  const Bands bands(renderer.width());
   const std::size_t row_size = std::size_t(renderer.width()) * std::size_t(renderer.channels());
   const bool flatten = channels_on(background, renderer.channels()) != renderer.channels();
   Band ready;  // rendered, not yet written
   Band next;
   for (int top = 0; top < renderer.height() || ready.rows > 0;) {
-    next.rows = std::min(bands.band, renderer.height() - top);
+    check_interrupted();
+    next.rows = std::min(band_rows(renderer.width()), renderer.height() - top);
     next.samples.resize(std::size_t(next.rows) * row_size);
-    const int strips = (next.rows + bands.strip - 1) / bands.strip;
-    // Task 0 writes the band before, the others render this one.
-    parallel_for(std::size_t(strips) + 1, [&](std::size_t task) {
-      check_interrupted();
+    parallel_for(2, [&](std::size_t task) {
       if (task == 0) {
+        renderer.rows(top, top + next.rows, next.samples);
+      } else {
         if (flatten) put_on_background(ready.samples, renderer.channels(), *background);
         writer.write(ready.samples, ready.rows);
-        return;
       }
-      const int begin = int(task - 1) * bands.strip;
-      const int end = std::min(begin + bands.strip, next.rows);
-      renderer.rows(top + begin, top + end,
-                    std::span(next.samples)
-                        .subspan(std::size_t(begin) * row_size, std::size_t(end - begin) * row_size));
     });
     top += next.rows;
     std::swap(ready, next);
@@ -98,28 +94,15 @@ void stream_rendering(const raster::Renderer& renderer, const Background& backgr
 }
 
 image::Image render_whole(const document::FrameModel& model, const raster::RenderOptions& options) {
-  class Collector final : public image::RowWriter {
-   public:
-    explicit Collector(image::Image& image) : image_(image) {}
-    void write(std::span<const float> rows, int) override {
-      image_.samples.insert(image_.samples.end(), rows.begin(), rows.end());
-    }
-    void finish() override {}
-
-   private:
-    image::Image& image_;
-  };
   const raster::Renderer renderer(model, options);
-  image::Image image{renderer.width(), renderer.height(), renderer.channels(), {}};
-  image.samples.reserve(image.row_size() * std::size_t(image.height));
-  Collector collector(image);
-  stream_rendering(renderer, std::nullopt, collector);
+  image::Image image = image::make_image(renderer.width(), renderer.height(), renderer.channels());
+  renderer.rows(0, image.height, image.samples);
   return image;
 }
 
 image::Image load_picture(const std::filesystem::path& path, std::uint64_t frame) {
   if (is_picture(path)) return image::read_image(path);
-  document::Reader reader = document::Reader::open(path);
+  document::Reader reader = open_document(path);
   return render_whole(read_frame(reader, frame), {});
 }
 

@@ -17,6 +17,9 @@ namespace knotreel::cli {
 /// Whether a path is to be read as a picture rather than as a document: by content, else by name.
 bool is_picture(const std::filesystem::path& path);
 
+/// Opens a document; `-` is standard input. @throws Error{kInput}.
+document::Reader open_document(const std::filesystem::path& path);
+
 /// Reads one frame. @throws Error{kInvalidArgument} if there is no such frame.
 document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame);
 

@@ -87,7 +87,7 @@ void render(const Arguments& arguments) {
     if (!spec.format) refuse("--format does not know '" + arguments.format + "'");
   }
 
-  document::Reader reader = document::Reader::open(arguments.input);
+  document::Reader reader = open_document(arguments.input);
   const raster::RenderOptions options = render_options(arguments, reader.info());
   const raster::Renderer renderer(read_frame(reader, arguments.frame), options);
   spec.width = renderer.width();
@@ -112,7 +112,9 @@ void add_render_command(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("render", "Draw a frame of a vector document as a picture of any size");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("FILE", arguments->input, "Vector document (.tcb)")->type_name("")->required();
+  command->add_option("FILE", arguments->input, "Vector document (.tcb); '-': standard input")
+      ->type_name("")
+      ->required();
   command
       ->add_option("-o,--output", arguments->output,
                    "Picture to write; its name says the format: png, ppm, pgm, pam,\n"

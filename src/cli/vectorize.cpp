@@ -1,10 +1,10 @@
 #include <fmt/core.h>
 
 #include <chrono>
-#include <filesystem>
 #include <limits>
 #include <memory>
-#include <system_error>
+#include <sstream>
+#include <utility>
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
@@ -47,19 +47,23 @@ class StageTimer {
   nlohmann::ordered_json seconds_ = nlohmann::ordered_json::object();
 };
 
-/// Writes the document and returns the model as it was stored, that is quantised.
-document::FrameModel write_document(const std::string& path, const image::Image& image,
-                                    const document::FrameModel& model) {
+/// A document of one frame in memory, and that frame as it was stored, that is quantised.
+struct Stored {
+  std::string bytes;
+  document::FrameModel model;
+};
+
+Stored encode(const image::Image& image, const document::FrameModel& model) {
   document::SequenceInfo info;
   info.width = image.width;
   info.height = image.height;
   info.channels = image.channels;
   info.degree = model.space->degree();
-  document::Writer writer(path, info);
+  std::ostringstream bytes;
+  document::Writer writer(bytes, info);
   document::FrameModel stored = writer.append(model);
-  check_interrupted();
   writer.finish();
-  return stored;
+  return {std::move(bytes).str(), std::move(stored)};
 }
 
 void vectorize(const Arguments& arguments) {
@@ -77,16 +81,17 @@ void vectorize(const Arguments& arguments) {
   check_interrupted();
   timer.finish("fit");
 
-  const document::FrameModel stored = write_document(arguments.output, image, fitted);
+  const Stored document = encode(image, fitted);
+  OutputFile file(arguments.output);
+  file.write(document.bytes);
+  file.commit();
   timer.finish("write");
 
+  const document::FrameModel& stored = document.model;
   const image::ImageMetrics metrics = image::compare_images(image, render_whole(stored, {}));
   timer.finish("measure");
 
   const auto& space = *stored.space;
-  std::error_code no_file;  // a device or pipe has no size
-  const std::uintmax_t size = std::filesystem::file_size(arguments.output, no_file);
-  const std::uintmax_t file_bytes = no_file ? 0 : size;
   if (!arguments.stats.empty()) {
     nlohmann::ordered_json stats{{"input", arguments.input},
                                  {"output", arguments.output},
@@ -100,13 +105,13 @@ void vectorize(const Arguments& arguments) {
                                  {"triangles", space.mesh().faces.size()},
                                  {"control_points", space.function_count()},
                                  {"raw_accounting_bytes", document::raw_accounting_bytes(stored)},
-                                 {"file_bytes", file_bytes}};
+                                 {"file_bytes", document.bytes.size()}};
     stats.update(metrics_json(metrics));
     stats["seconds"] = timer.seconds();
     write_text(arguments.stats,
                stats.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   }
-  if (arguments.stats != "-") {
+  if (arguments.stats != "-" && arguments.output != "-") {
     write_text("-", fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}\n", arguments.output,
                                 space.mesh().knots.size(), space.function_count(), file_bytes,
                                 psnr_text(metrics.psnr)));
@@ -129,7 +134,8 @@ void add_vectorize_command(CLI::App& program) {
   command->add_option("PICTURE", arguments->input, "Picture to read; '-': standard input")
       ->type_name("")
       ->required();
-  command->add_option("-o,--output", arguments->output, "Vector document to write (.tcb)")
+  command
+      ->add_option("-o,--output", arguments->output, "Vector document to write (.tcb); '-': standard output")
       ->type_name("FILE")
       ->required();
   command
