@@ -18,13 +18,17 @@ struct Line {
   Vec2 to;
 };
 
+inline constexpr std::uint32_t kNoLine = 0xffffffffu;
+
 /// One copy of a knot per sector between consecutive feature or border edges around it.
 struct Corner {
   KnotIndex knot = 0;
-  bool multiple = false;     ///< the knot is of kind kVertex
-  bool closed = false;       ///< the fan goes all round (free knots only)
+  bool multiple = false;        ///< the knot is of kind kVertex
+  bool closed = false;          ///< the fan goes all round (knots off the features and the border)
   std::uint32_t fan_begin = 0;  ///< neighbours in positive order: CutMesh::fans[fan_begin, fan_end)
   std::uint32_t fan_end = 0;
+  std::uint32_t first_line = kNoLine;  ///< of an open fan: the line along its first edge
+  std::uint32_t last_line = kNoLine;   ///< of an open fan: the line along its last edge
 };
 
 /// The knot mesh cut open along its features (docs/algorithm.md, "cut mesh"): a triangulation whose vertices

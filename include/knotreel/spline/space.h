@@ -89,7 +89,7 @@ class SplineSpace {
 
  private:
   SplineSpace() = default;
-  void build(mesh::KnotMesh mesh, int degree, const LinkPolicy& policy);
+  friend class SpaceBuilder;
 
   int degree_ = 0;
   mesh::KnotMesh mesh_;

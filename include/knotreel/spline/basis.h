@@ -1,0 +1,110 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "knotreel/spline/piece.h"
+#include "knotreel/spline/reference.h"
+#include "knotreel/spline/space.h"
+
+/// Evaluation of all basis functions by the generalised de Boor step (docs/algorithm.md): each config of
+/// Gamma_{k-1} adds its three barycentric shares of one simplex spline of degree k-1.
+namespace knotreel::spline {
+
+/// Cells over the domain with the terms of pieces whose bounding boxes touch them.
+class TermIndex {
+ public:
+  struct Entry {
+    std::uint32_t term;
+    std::uint32_t piece;
+  };
+
+  TermIndex() = default;
+  TermIndex(const PieceSet& set, double width, double height, std::size_t knots);
+
+  /// Terms that may be non-zero at u (which is clamped to the domain), ascending.
+  std::span<const Entry> at(Vec2 u) const;
+
+  /// Appends the terms that may be non-zero somewhere in the box, ascending, each once.
+  void in_box(Vec2 low, Vec2 high, std::vector<Entry>& out) const;
+
+ private:
+  std::size_t column(double x) const;
+  std::size_t row(double y) const;
+
+  double cell_ = 1;
+  std::size_t columns_ = 1;
+  std::size_t rows_ = 1;
+  std::vector<std::uint32_t> begin_;
+  std::vector<Entry> entries_;
+  std::vector<std::pair<Vec2, Vec2>> boxes_;
+};
+
+struct BasisValue {
+  FunctionIndex function;
+  double value;
+};
+
+struct BasisJet {
+  FunctionIndex function;
+  Jet jet;
+};
+
+/// Basis functions of many points: functions of point i at [begin[i], begin[i+1]).
+struct ScatteredValues {
+  std::vector<std::size_t> begin;
+  std::vector<BasisValue> values;
+};
+
+/// All basis functions on a grid of pixels, function by function: rows [row_begin[f], row_begin[f+1]) of `rows`
+/// are consecutive pixel rows; each holds the values of pixels [x_begin, x_end) from `offset` in `values`. Pixels
+/// outside are zero; inside, zeros are possible.
+struct GridValues {
+  struct Row {
+    std::int32_t y;
+    std::int32_t x_begin;
+    std::int32_t x_end;
+    std::size_t offset;
+  };
+  std::vector<std::size_t> row_begin;
+  std::vector<Row> rows;
+  std::vector<double> values;
+
+  std::span<const Row> rows_of(FunctionIndex f) const {
+    return std::span(rows).subspan(row_begin[f], row_begin[f + 1] - row_begin[f]);
+  }
+};
+
+/// Ready to evaluate one space at any points of the closed domain. Immutable and thread safe.
+/// Values agree with ReferenceBasis to 1e-10; they sum to 1 and are not negative, both up to rounding.
+class Basis {
+ public:
+  explicit Basis(std::shared_ptr<const SplineSpace> space);
+
+  const SplineSpace& space() const { return *space_; }
+  const PieceSet& pieces() const { return pieces_; }
+  const TermIndex& index() const { return index_; }
+
+  /// Functions that are not zero at u, ascending. On a feature (and wherever else a side must be chosen) the
+  /// limit from the side of `direction`; the shorter form uses inward_direction(u).
+  void evaluate(Vec2 u, Vec2 direction, std::vector<BasisValue>& out) const;
+  void evaluate(Vec2 u, std::vector<BasisValue>& out) const;
+
+  /// The same with first and second derivatives, all of them limits from the side of `direction`.
+  void evaluate(Vec2 u, Vec2 direction, std::vector<BasisJet>& out) const;
+
+  /// Many points at once, on all threads allowed; the result does not depend on their number.
+  ScatteredValues evaluate(std::span<const Vec2> points) const;
+
+  /// All functions at the centres of columns x rows pixels that cover the domain. One thread.
+  GridValues evaluate_grid(int columns, int rows) const;
+
+ private:
+  std::shared_ptr<const SplineSpace> space_;
+  PieceSet pieces_;
+  TermIndex index_;
+};
+
+}  // namespace knotreel::spline

@@ -1,0 +1,125 @@
+#include "knotreel/spline/basis.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "knotreel/base/parallel.h"
+#include "spline/tent.h"
+
+namespace knotreel::spline {
+
+namespace {
+
+Jet affine_jet(const Affine& a, Vec2 u) { return {a(u), a.nx, a.ny, 0, 0, 0}; }
+
+Jet multiply(const Jet& a, const Jet& b) {
+  return {a.value * b.value,
+          a.value * b.dx + a.dx * b.value,
+          a.value * b.dy + a.dy * b.value,
+          a.value * b.dxx + 2 * a.dx * b.dx + a.dxx * b.value,
+          a.value * b.dxy + a.dx * b.dy + a.dy * b.dx + a.dxy * b.value,
+          a.value * b.dyy + 2 * a.dy * b.dy + a.dyy * b.value};
+}
+
+void add(Jet& sum, const Jet& a) {
+  sum.value += a.value;
+  sum.dx += a.dx;
+  sum.dy += a.dy;
+  sum.dxx += a.dxx;
+  sum.dxy += a.dxy;
+  sum.dyy += a.dyy;
+}
+
+void add(double& sum, double a) { sum += a; }
+
+double& payload(BasisValue& v) { return v.value; }
+Jet& payload(BasisJet& v) { return v.jet; }
+
+/// Sums entries of equal function from `begin` on, keeping the order of addition.
+template <class Entry>
+void merge(std::vector<Entry>& out, std::size_t begin) {
+  const auto first = out.begin() + static_cast<std::ptrdiff_t>(begin);
+  std::stable_sort(first, out.end(), [](const Entry& a, const Entry& b) { return a.function < b.function; });
+  std::size_t kept = begin;
+  for (std::size_t i = begin; i < out.size();) {
+    Entry sum = out[i++];
+    for (; i < out.size() && out[i].function == sum.function; ++i) add(payload(sum), payload(out[i]));
+    out[kept++] = sum;
+  }
+  out.resize(kept);
+}
+
+void append_values(const PieceSet& set, const TermIndex& index, Vec2 u, Vec2 direction,
+                   std::vector<BasisValue>& out) {
+  for (const TermIndex::Entry& e : index.at(u)) {
+    const PieceTerm& term = set.terms[e.term];
+    double w = tent_value(term.tent, u, direction);
+    if (w == 0) continue;
+    if (term.has_factor) w *= term.factor(u);
+    const Piece& piece = set.pieces[e.piece];
+    // Degree 1: u counts as inside the closed face, so a negative coordinate is the tolerance of a wall.
+    const double lowest = term.tent.slope_count == 0 ? 0 : -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (piece.functions[i] == kNoFunction) continue;
+      out.push_back({piece.functions[i], w * std::max(piece.weights[i](u), lowest)});
+    }
+  }
+}
+
+}  // namespace
+
+Basis::Basis(std::shared_ptr<const SplineSpace> space)
+    : space_(std::move(space)),
+      pieces_(make_pieces(*space_)),
+      index_(pieces_, space_->mesh().width, space_->mesh().height, space_->mesh().knots.size()) {}
+
+void Basis::evaluate(Vec2 u, Vec2 direction, std::vector<BasisValue>& out) const {
+  out.clear();
+  append_values(pieces_, index_, u, direction, out);
+  merge(out, 0);
+}
+
+void Basis::evaluate(Vec2 u, std::vector<BasisValue>& out) const {
+  evaluate(u, inward_direction(u, space_->mesh().width, space_->mesh().height), out);
+}
+
+void Basis::evaluate(Vec2 u, Vec2 direction, std::vector<BasisJet>& out) const {
+  out.clear();
+  for (const TermIndex::Entry& e : index_.at(u)) {
+    const PieceTerm& term = pieces_.terms[e.term];
+    Jet w = tent_jet(term.tent, u, direction);
+    if (w.value == 0 && w.dx == 0 && w.dy == 0) continue;
+    if (term.has_factor) w = multiply(w, affine_jet(term.factor, u));
+    const Piece& piece = pieces_.pieces[e.piece];
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (piece.functions[i] == kNoFunction) continue;
+      out.push_back({piece.functions[i], multiply(w, affine_jet(piece.weights[i], u))});
+    }
+  }
+  merge(out, 0);
+}
+
+ScatteredValues Basis::evaluate(std::span<const Vec2> points) const {
+  // Blocks of points are evaluated on their own and joined in order.
+  constexpr std::size_t kBlock = 1024;
+  const std::size_t blocks = (points.size() + kBlock - 1) / kBlock;
+  std::vector<std::vector<BasisValue>> values(blocks);
+  ScatteredValues result;
+  result.begin.assign(points.size() + 1, 0);
+  parallel_for(blocks, [&](std::size_t b) {
+    const std::size_t end = std::min(points.size(), (b + 1) * kBlock);
+    for (std::size_t i = b * kBlock; i < end; ++i) {
+      const std::size_t before = values[b].size();
+      const Vec2 direction = inward_direction(points[i], space_->mesh().width, space_->mesh().height);
+      append_values(pieces_, index_, points[i], direction, values[b]);
+      merge(values[b], before);
+      result.begin[i + 1] = values[b].size() - before;
+    }
+  });
+  for (std::size_t i = 0; i < points.size(); ++i) result.begin[i + 1] += result.begin[i];
+  result.values.reserve(result.begin.back());
+  for (const auto& block : values) result.values.insert(result.values.end(), block.begin(), block.end());
+  return result;
+}
+
+}  // namespace knotreel::spline

@@ -1,0 +1,231 @@
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/multiversion.h"
+#include "knotreel/spline/basis.h"
+
+/// Basis functions on a whole pixel grid, by spans: everything is linear along a row.
+namespace knotreel::spline {
+
+namespace {
+
+/// Pixel columns of one term in one row.
+struct Reach {
+  std::int32_t begin;
+  std::int32_t end;
+};
+
+/// A function of x alone: slope * (x - origin) + offset.
+struct Linear {
+  double slope;
+  double origin;
+  double offset;
+};
+
+Linear along_row(const Affine& a, double y) { return {a.nx, a.px, a.ny * (y - a.py)}; }
+
+class Grid {
+ public:
+  Grid(const SplineSpace& space, int columns, int rows)
+      : columns_(columns), rows_(rows), dx_(space.mesh().width / columns), dy_(space.mesh().height / rows),
+        width_(space.mesh().width), height_(space.mesh().height) {}
+
+  double x(std::int32_t column) const { return (column + 0.5) * dx_; }
+  double y(std::int32_t row) const { return (row + 0.5) * dy_; }
+
+  Reach rows_of(const PieceTerm& term) const {
+    return {first(term.low.y / dy_ - 0.5, rows_), last(term.high.y / dy_ - 0.5, rows_)};
+  }
+
+  /// Columns of the support of a term in one row: exact at walls, a little generous at slopes, where the tent is
+  /// clamped at zero anyway.
+  Reach columns_of(const PieceTerm& term, std::int32_t row) const {
+    double low = term.low.x;
+    double high = term.high.x;
+    const auto clip = [&](const Affine& a) {
+      const Linear l = along_row(a, y(row));
+      if (l.slope == 0) return;
+      const double zero = l.origin - l.offset / l.slope;
+      if (l.slope > 0) low = std::max(low, zero);
+      if (l.slope < 0) high = std::min(high, zero);
+    };
+    const Tent& tent = term.tent;
+    for (int i = 0; i < tent.slope_count; ++i) clip(tent.slopes[static_cast<std::size_t>(i)]);
+    for (int i = 0; i < tent.wall_count; ++i) clip(tent.walls[static_cast<std::size_t>(i)]);
+    // One column more on each side: rounding of the division, and points on a wall.
+    Reach reach{first(low / dx_ - 1.5, columns_), last(high / dx_ + 0.5, columns_)};
+    if (tent.wall_count == 0) return reach;
+    while (reach.begin < reach.end && !inside(tent, reach.begin, row)) ++reach.begin;
+    while (reach.begin < reach.end && !inside(tent, reach.end - 1, row)) --reach.end;
+    return reach;
+  }
+
+ private:
+  static std::int32_t first(double v, std::int32_t count) {
+    return static_cast<std::int32_t>(std::clamp(std::ceil(v), 0.0, static_cast<double>(count)));
+  }
+  static std::int32_t last(double v, std::int32_t count) {
+    return static_cast<std::int32_t>(std::clamp(std::floor(v) + 1, 0.0, static_cast<double>(count)));
+  }
+
+  bool inside(const Tent& tent, std::int32_t column, std::int32_t row) const {
+    const Vec2 u{x(column), y(row)};
+    const Vec2 direction = inward_direction(u, width_, height_);
+    for (int i = 0; i < tent.wall_count; ++i) {
+      if (!inside_wall(tent.walls[static_cast<std::size_t>(i)], u, direction)) return false;
+    }
+    return true;
+  }
+
+  std::int32_t columns_;
+  std::int32_t rows_;
+  double dx_;
+  double dy_;
+  double width_;
+  double height_;
+};
+
+/// Adds the three shares of one term to the function rows, for n pixels whose columns are at x[0..n).
+struct RowTask {
+  std::array<Linear, 4> slopes;
+  int slope_count;
+  double constant;
+  Linear factor;
+  std::array<Linear, 3> weights;
+  std::array<double*, 3> out;
+};
+
+KNOTREEL_MULTIVERSION
+void add_row(const RowTask& task, const double* x, std::int32_t n, double* scratch) {
+  const double top = task.slope_count > 0 ? std::numeric_limits<double>::infinity() : task.constant;
+  for (std::int32_t i = 0; i < n; ++i) scratch[i] = top;
+  for (int s = 0; s < task.slope_count; ++s) {
+    const Linear l = task.slopes[static_cast<std::size_t>(s)];
+    for (std::int32_t i = 0; i < n; ++i) {
+      const double v = l.slope * (x[i] - l.origin) + l.offset;
+      scratch[i] = v < scratch[i] ? v : scratch[i];
+    }
+  }
+  for (std::int32_t i = 0; i < n; ++i) {
+    const double tent = scratch[i] > 0 ? scratch[i] : 0;
+    scratch[i] = tent * (task.factor.slope * (x[i] - task.factor.origin) + task.factor.offset);
+  }
+  for (std::size_t f = 0; f < 3; ++f) {
+    double* out = task.out[f];
+    if (out == nullptr) continue;
+    const Linear l = task.weights[f];
+    for (std::int32_t i = 0; i < n; ++i) out[i] += scratch[i] * (l.slope * (x[i] - l.origin) + l.offset);
+  }
+}
+
+RowTask make_task(const Piece& piece, const PieceTerm& term, double y) {
+  RowTask task{};
+  task.slope_count = term.tent.slope_count;
+  task.constant = term.tent.constant;
+  for (int s = 0; s < task.slope_count; ++s) {
+    task.slopes[static_cast<std::size_t>(s)] = along_row(term.tent.slopes[static_cast<std::size_t>(s)], y);
+  }
+  task.factor = term.has_factor ? along_row(term.factor, y) : Linear{0, 0, 1};
+  for (std::size_t i = 0; i < 3; ++i) task.weights[i] = along_row(piece.weights[i], y);
+  return task;
+}
+
+/// Where every term reaches, row by row.
+struct Reaches {
+  std::vector<std::size_t> begin;   ///< per term, into reaches
+  std::vector<std::int32_t> first;  ///< first row per term
+  std::vector<Reach> reaches;
+};
+
+Reaches find_reaches(const PieceSet& set, const Grid& grid) {
+  Reaches r;
+  r.begin.reserve(set.terms.size() + 1);
+  for (const PieceTerm& term : set.terms) {
+    const Reach rows = grid.rows_of(term);
+    r.begin.push_back(r.reaches.size());
+    r.first.push_back(rows.begin);
+    for (std::int32_t y = rows.begin; y < rows.end; ++y) r.reaches.push_back(grid.columns_of(term, y));
+  }
+  r.begin.push_back(r.reaches.size());
+  return r;
+}
+
+/// Lays out the rows of all functions: the hull, per row, of what their terms reach.
+GridValues lay_out(const SplineSpace& space, const PieceSet& set, const Reaches& reaches, std::int32_t columns) {
+  const std::size_t n = space.function_count();
+  std::vector<std::int32_t> low(n, std::numeric_limits<std::int32_t>::max());
+  std::vector<std::int32_t> high(n, 0);
+  const auto for_terms = [&](auto&& visit) {
+    for (const Piece& piece : set.pieces) {
+      for (std::uint32_t t = piece.term_begin; t < piece.term_end; ++t) {
+        for (const FunctionIndex f : piece.functions) {
+          if (f != kNoFunction) visit(f, t);
+        }
+      }
+    }
+  };
+  for_terms([&](FunctionIndex f, std::uint32_t t) {
+    const auto count = static_cast<std::int32_t>(reaches.begin[t + 1] - reaches.begin[t]);
+    if (count == 0) return;
+    low[f] = std::min(low[f], reaches.first[t]);
+    high[f] = std::max(high[f], reaches.first[t] + count);
+  });
+  GridValues grid;
+  grid.row_begin.reserve(n + 1);
+  grid.row_begin.push_back(0);
+  for (std::size_t f = 0; f < n; ++f) {
+    for (std::int32_t y = low[f]; y < high[f]; ++y) grid.rows.push_back({y, columns, 0, 0});
+    grid.row_begin.push_back(grid.rows.size());
+  }
+  for_terms([&](FunctionIndex f, std::uint32_t t) {
+    for (std::size_t i = reaches.begin[t]; i < reaches.begin[t + 1]; ++i) {
+      if (reaches.reaches[i].begin >= reaches.reaches[i].end) continue;
+      const auto y = reaches.first[t] + static_cast<std::int32_t>(i - reaches.begin[t]);
+      GridValues::Row& row = grid.rows[grid.row_begin[f] + static_cast<std::size_t>(y - low[f])];
+      row.x_begin = std::min(row.x_begin, reaches.reaches[i].begin);
+      row.x_end = std::max(row.x_end, reaches.reaches[i].end);
+    }
+  });
+  std::size_t offset = 0;
+  for (GridValues::Row& row : grid.rows) {
+    row.x_begin = std::min(row.x_begin, row.x_end);
+    row.offset = offset;
+    offset += static_cast<std::size_t>(row.x_end - row.x_begin);
+  }
+  grid.values.assign(offset, 0.0);
+  return grid;
+}
+
+}  // namespace
+
+GridValues Basis::evaluate_grid(int columns, int rows) const {
+  const Grid grid(*space_, columns, rows);
+  const Reaches reaches = find_reaches(pieces_, grid);
+  GridValues result = lay_out(*space_, pieces_, reaches, columns);
+
+  std::vector<double> x(static_cast<std::size_t>(columns));
+  for (std::int32_t c = 0; c < columns; ++c) x[static_cast<std::size_t>(c)] = grid.x(c);
+  std::vector<double> scratch(x.size());
+  for (const Piece& piece : pieces_.pieces) {
+    for (std::uint32_t t = piece.term_begin; t < piece.term_end; ++t) {
+      for (std::size_t i = reaches.begin[t]; i < reaches.begin[t + 1]; ++i) {
+        const Reach reach = reaches.reaches[i];
+        if (reach.begin >= reach.end) continue;
+        const std::int32_t y = reaches.first[t] + static_cast<std::int32_t>(i - reaches.begin[t]);
+        RowTask task = make_task(piece, pieces_.terms[t], grid.y(y));
+        for (std::size_t v = 0; v < 3; ++v) {
+          const FunctionIndex f = piece.functions[v];
+          if (f == kNoFunction) continue;
+          const std::size_t first = result.row_begin[f];
+          const GridValues::Row& row = result.rows[first + static_cast<std::size_t>(y - result.rows[first].y)];
+          task.out[v] = result.values.data() + row.offset + (reach.begin - row.x_begin);
+        }
+        add_row(task, x.data() + reach.begin, reach.end - reach.begin, scratch.data());
+      }
+    }
+  }
+  return result;
+}
+
+}  // namespace knotreel::spline
