@@ -113,7 +113,7 @@ void vectorize(const Arguments& arguments) {
   }
   if (arguments.stats != "-" && arguments.output != "-") {
     write_text("-", fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}\n", arguments.output,
-                                space.mesh().knots.size(), space.function_count(), file_bytes,
+                                space.mesh().knots.size(), space.function_count(), document.bytes.size(),
                                 psnr_text(metrics.psnr)));
   }
 }
