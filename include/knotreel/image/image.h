@@ -32,10 +32,12 @@ struct Image {
     return std::span(samples).subspan(std::size_t(y) * row_size(), row_size());
   }
   float at(int x, int y, int channel) const {
-    return samples[std::size_t(y) * row_size() + std::size_t(x) * std::size_t(channels) + std::size_t(channel)];
+    return samples[std::size_t(y) * row_size() + std::size_t(x) * std::size_t(channels) +
+                   std::size_t(channel)];
   }
   float& at(int x, int y, int channel) {
-    return samples[std::size_t(y) * row_size() + std::size_t(x) * std::size_t(channels) + std::size_t(channel)];
+    return samples[std::size_t(y) * row_size() + std::size_t(x) * std::size_t(channels) +
+                   std::size_t(channel)];
   }
 };
 

@@ -10,8 +10,8 @@
 
 namespace knotreel::image {
 
-/// A picture file that is written from top to bottom. Made by open_image_writer(). Destroyed before finish(), it
-/// leaves no file behind. One thread at a time.
+/// A picture file that is written from top to bottom. Made by open_image_writer(). Destroyed before finish(),
+/// it leaves no file behind. One thread at a time.
 class RowWriter {
  public:
   virtual ~RowWriter() = default;
@@ -26,10 +26,10 @@ class RowWriter {
   virtual void finish() = 0;
 };
 
-/// What a picture file is to be. PNG (u8, u16; any channels), PNM (u8, u16; 1 or 3 channels), PAM (u8, u16; any)
-/// and PFM (f32; 1 or 3; not into a pipe) are written row by row, so memory does not grow with the picture.
-/// TIFF (u8, u16, f32; 1, 3, 4), JPEG (u8; 1, 3), WebP (u8; 1, 3, 4) and BMP (u8; 1, 3, 4) are held in memory
-/// until finish() and limited to kMaxPixels.
+/// What a picture file is to be. PNG (u8, u16; any channels), PNM (u8, u16; 1 or 3 channels), PAM (u8, u16;
+/// any) and PFM (f32; 1 or 3; not into a pipe) are written row by row, so memory does not grow with the
+/// picture. TIFF (u8, u16, f32; 1, 3, 4), JPEG (u8; 1, 3), WebP (u8; 1, 3, 4) and BMP (u8; 1, 3, 4) are held
+/// in memory until finish() and limited to kMaxPixels.
 struct ImageFileSpec {
   int width = 0;
   int height = 0;
