@@ -138,6 +138,29 @@ TEST(CliRender, StandardOutputHoldsTheSamePicture) {
   EXPECT_EQ(result.out, read_text(sample.path("file.png")));
 }
 
+TEST(CliRender, DocumentsGoThroughPipes) {
+  const Sample sample;
+  const auto document = test::knotreel({"vectorize", "-", "-o", "-"}, {.input = read_text(sample.picture)});
+  expect_success(document);
+  EXPECT_EQ(document.out, read_text(sample.document));
+  const auto piped = test::knotreel({"render", "-", "-o", "-"}, {.input = document.out});
+  const auto direct = test::knotreel({"render", sample.document, "-o", "-"});
+  expect_success(piped);
+  EXPECT_EQ(piped.out, direct.out);
+}
+
+TEST(CliRender, MemoryDoesNotGrowWithTheOutput) {
+  const Sample sample;
+  const auto peak = [&](const std::string& size) {
+    const auto result =
+        test::knotreel({"render", sample.document, "-o", "/dev/null", "--format", "ppm", "--size", size});
+    expect_success(result);
+    return double(result.peak_memory_bytes);
+  };
+  // As floats, the larger one is 300 MB; both hold two bands of 12 MB.
+  EXPECT_LT(peak("5000x5000") - peak("1500x1500"), 16e6);
+}
+
 TEST(CliRender, ABackgroundReplacesTheAlpha) {
   const test::TempDir dir;
   image::Image clear = image::make_image(40, 40, 4);

@@ -20,6 +20,7 @@ struct ProcessResult {
   int exit_code = -1;  ///< 128 + signal if a signal ended it
   std::string out;
   std::string err;
+  std::size_t peak_memory_bytes = 0;  ///< largest resident set
 };
 
 /// Runs a program and waits for it, at most 60 s; then it is killed and the exit code is 137.
