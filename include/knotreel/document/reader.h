@@ -28,7 +28,7 @@ struct FrameRecord {
 /// several threads; several readers of one file are.
 ///
 /// A damaged document throws Error{kInput} with path, defect and offset, on open or on read. Whatever the
-/// bytes, memory stays below 1 MiB + 4096 x file size (docs/format.md, "Bounds").
+/// bytes, memory stays below 1 MiB + 1024 x file size (docs/format.md, "Bounds").
 class Reader {
  public:
   /// @throws Error{kInput} if the file cannot be read, is no document, of another version, damaged, or has no
