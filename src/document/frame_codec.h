@@ -23,7 +23,7 @@ struct FramePrefix {
 
 struct QuantiseOptions {
   int knot_bits = 6;
-  bool rename_knots = true;
+  bool rename_knots = false;
 };
 
 /// Brings a model into the form of the file.

@@ -12,7 +12,7 @@
 /// Knot positions as differences from predictions (docs/format.md, "Positions").
 namespace knotreel::document {
 
-/// What the coding of positions knows beforehand.
+/// What the coding of positions knows beforehand. The mesh may have topological defects.
 struct KnotLayout {
   const mesh::KnotMesh& mesh;  ///< canonical, kinds and segments set; positions are not used
   const std::vector<Discovery>& discoveries;

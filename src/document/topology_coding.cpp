@@ -235,7 +235,6 @@ Topology read_topology(std::size_t most_knots, const mesh::KnotMesh* knots_befor
   set_kinds(t.mesh, t.border_count, t.domain_corners);
   read_ids(t.mesh, knots_before, streams, in);
   t.link_codes = read_link_codes(knots, streams, in);
-  if (const auto defect = mesh::find_topological_defect(t.mesh)) malformed(*defect);
   return t;
 }
 

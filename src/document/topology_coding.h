@@ -28,7 +28,7 @@ void write_topology(const mesh::KnotMesh& mesh, const Conquest& conquest,
                     StreamWriter& streams, ByteWriter& out);
 
 /// @param most_knots  a frame with more is Malformed: keeps memory in proportion to the file.
-/// @throws Malformed, also for a mesh with a topological defect.
+/// @return indices are in range, but the mesh may have defects: call mesh::find_defect when it has positions.
 Topology read_topology(std::size_t most_knots, const mesh::KnotMesh* knots_before, StreamReader& streams,
                        ByteReader& in);
 

@@ -80,8 +80,7 @@ TEST(Document, DoesNotDependOnTheOrderOfTheModel) {
 }
 
 TEST(Document, RoundsWithinTheStatedBounds) {
-  document::EncodeOptions options;
-  options.rename_knots = false;
+  const document::EncodeOptions options;
   for (const testing::MeshCase& c : all_cases()) {
     SCOPED_TRACE(c.to_text());
     const FrameModel model = testing::random_model(c.mesh, 2, 3, kSeed);

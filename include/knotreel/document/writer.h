@@ -19,9 +19,9 @@ struct EncodeOptions {
   /// Of the displacements of geometry control points, in pixels; 1/4096 to 15, taken to the nearest 1/4096.
   double displacement_step = 1 / 16.0;
   /// Give the knots of every keyframe the ids 0, 1, 2, ... in the order of the file, which costs no bytes,
-  /// where others cost one to two per knot. A later frame of the group must then come with the ids of the
-  /// frames that append() returned. False keeps all ids as they are.
-  bool rename_knots = true;
+  /// where others cost one to two per knot. For stills, and for encoders that go on from what append()
+  /// returns: a later frame of the group must come with those new ids. False keeps all ids as they are.
+  bool rename_knots = false;
   /// 1 (fast) to 22 (small).
   int zstd_level = 12;
 };
