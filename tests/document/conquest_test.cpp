@@ -39,6 +39,21 @@ TEST(Conquest, NumbersACanonicalMeshTheSameWay) {
   }
 }
 
+TEST(Conquest, RefusesASplitTheLongWayRound) {
+  // Else hostile splits could make the walks quadratic. A border of twelve: 0 1 ... 11, gate (0,1).
+  const auto split = [](std::uint64_t code) {
+    Loops loops(12);
+    return loops.split(code);
+  };
+  EXPECT_EQ(split(2 * 1), 4u);
+  EXPECT_EQ(split(2 * 1 + 1), 9u);
+  EXPECT_EQ(split(2 * 3), 6u);
+  EXPECT_EQ(split(2 * 3 + 1), 7u);
+  EXPECT_THROW(split(2 * 4), Malformed);
+  EXPECT_THROW(split(2 * 4 + 1), Malformed);
+  EXPECT_THROW(split(~0ull), Malformed);
+}
+
 TEST(Conquest, RandomSymbolsEndInAMeshOrInMalformed) {
   std::mt19937_64 random(5);
   int meshes = 0;

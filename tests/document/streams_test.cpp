@@ -41,6 +41,19 @@ TEST(Streams, RefuseMoreThanTheCallerCanUse) {
   EXPECT_THROW(reader.bytes(in, 99999), Malformed);
 }
 
+TEST(Streams, RefuseContentOfAnotherLengthThanStated) {
+  StreamWriter writer(12);
+  ByteWriter good;
+  writer.bytes(good, std::vector<std::uint8_t>(100, 1));
+  for (const int change : {-1, 1}) {
+    std::vector<std::byte> bad(good.view().begin(), good.view().end());
+    bad[0] = static_cast<std::byte>(100 + change);
+    StreamReader reader;
+    ByteReader in(bad);
+    EXPECT_THROW(reader.bytes(in, 1000), Malformed);
+  }
+}
+
 TEST(Streams, ZigzagInvertsAtTheExtremes) {
   for (const std::int64_t v : {std::int64_t{0}, std::int64_t{-1}, std::int64_t{1}, INT64_MAX, INT64_MIN}) {
     EXPECT_EQ(unzigzag(zigzag(v)), v);
