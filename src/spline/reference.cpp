@@ -102,10 +102,26 @@ Jet simplex_spline(Vec2 u, std::span<const Vec2> knots, Vec2 direction) {
 }
 
 ReferenceBasis::ReferenceBasis(const SplineSpace& space)
-    : space_(space), triangles_(function_triangles(space)) {}
+    : space_(space), triangles_(function_triangles(space)) {
+  const Vec2 margin{2 * kOnLine, 2 * kOnLine};
+  for (FunctionIndex f = 0; f < space.function_count(); ++f) {
+    Vec2 low = space.position(space.functions()[f].knots[0]);
+    Vec2 high = low;
+    const auto include = [&](CornerIndex c) {
+      const Vec2 p = space.position(c);
+      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+    };
+    for (int i = 0; i < space.degree(); ++i) include(space.functions()[f].knots[static_cast<std::size_t>(i)]);
+    for (const auto& t : triangles_[f]) std::for_each(t.begin(), t.end(), include);
+    boxes_.emplace_back(low - margin, high + margin);
+  }
+}
 
 Jet ReferenceBasis::evaluate(FunctionIndex f, Vec2 u, Vec2 direction) const {
   Jet sum;
+  const auto& [low, high] = boxes_[f];
+  if (u.x < low.x || u.y < low.y || u.x > high.x || u.y > high.y) return sum;
   Simplex s{};
   s.count = 3 + static_cast<std::size_t>(space_.degree());
   for (int i = 0; i < space_.degree(); ++i) {

@@ -3,6 +3,7 @@
 #include <array>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "knotreel/base/vec2.h"
@@ -43,6 +44,7 @@ class ReferenceBasis {
  private:
   const SplineSpace& space_;
   std::vector<std::vector<std::array<CornerIndex, 3>>> triangles_;
+  std::vector<std::pair<Vec2, Vec2>> boxes_;  ///< of the knots of each function, outside of which it is zero
 };
 
 }  // namespace knotreel::spline

@@ -1,0 +1,211 @@
+#include "knotreel/raster/render.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+#include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
+#include "raster/colour_mean.h"
+#include "raster/feature_trace.h"
+#include "raster/frame_size.h"
+#include "raster/surface.h"
+#include "raster/tile.h"
+
+namespace knotreel::raster {
+
+namespace {
+
+constexpr int kSamples = 64;
+
+/// 64 points of the unit square, one in each 64th of both axes (Hammersley): coverage of an edge of any direction is
+/// right to about 1/32, of an upright one to 1/128.
+std::array<Vec2, kSamples> sample_pattern() {
+  std::array<Vec2, kSamples> pattern;
+  for (unsigned i = 0; i < kSamples; ++i) {
+    unsigned reversed = 0;
+    for (unsigned b = 0; b < 6; ++b) reversed |= ((i >> b) & 1u) << (5 - b);
+    pattern[i] = {(i + 0.5) / kSamples, (reversed + 0.5) / kSamples};
+  }
+  return pattern;
+}
+
+}  // namespace
+
+struct Renderer::State {
+  State(const document::FrameModel& model, const RenderOptions& options)
+      : size(resolve_size(model, options)),
+        surface(model),
+        trace(surface, model.space->mesh()),
+        channels(static_cast<std::size_t>(model.channels)),
+        antialias(options.antialias) {
+    reduce_x = static_cast<int>(std::ceil(size.pixel_width - 1e-9));
+    reduce_y = static_cast<int>(std::ceil(size.pixel_height - 1e-9));
+    fine_width = size.pixel_width / reduce_x;
+    fine_height = size.pixel_height / reduce_y;
+    // Tiles of about 2.7 pixels of the model: few pieces end inside, and not too few points share the set-up.
+    const auto side = [](double pixel) { return std::clamp(static_cast<int>(std::lround(2.7 / pixel)), 4, 16); };
+    tile_width = side(fine_width);
+    tile_height = side(fine_height);
+  }
+
+  void fine_rows(int row_begin, int row_end, int column_begin, int column_end, float* out) const;
+  void draw_tile(Tile& tile, int tile_row, int tile_column, const std::vector<std::uint64_t>& crossed,
+                 int row_begin, int row_end, int column_begin, int column_end, float* out) const;
+
+  void reduce_row(const float* fine, int columns, float* out) const;
+
+  FrameSize size;
+  Surface surface;
+  FeatureTrace trace;
+  std::size_t channels;
+  bool antialias;
+  // The grid that is drawn is finer than the output where the picture is made smaller.
+  int reduce_x;
+  int reduce_y;
+  double fine_width;   ///< of a fine pixel, in pixels of the model
+  double fine_height;
+  int tile_width;
+  int tile_height;
+};
+
+void Renderer::State::draw_tile(Tile& tile, int tile_row, int tile_column,
+                                const std::vector<std::uint64_t>& crossed, int row_begin, int row_end,
+                                int column_begin, int column_end, float* out) const {
+  // The whole tile takes part in the set-up, whatever part of it is asked for: same bits for any crop or band.
+  const int x0 = tile_column * tile_width;
+  const int y0 = tile_row * tile_height;
+  tile.set({x0 * fine_width, y0 * fine_height}, {(x0 + tile_width) * fine_width, (y0 + tile_height) * fine_height});
+  const auto to = [&](int x, int y) {
+    return out + (static_cast<std::size_t>(y - row_begin) * static_cast<std::size_t>(column_end - column_begin) +
+                  static_cast<std::size_t>(x - column_begin)) * channels;
+  };
+  const int xb = std::max(x0, column_begin);
+  const int xe = std::min(x0 + tile_width, column_end);
+  const int yb = std::max(y0, row_begin);
+  const int ye = std::min(y0 + tile_height, row_end);
+
+  alignas(64) std::array<double, kBatch> x;
+  alignas(64) std::array<double, kBatch> y;
+  alignas(64) std::array<double, 4 * kBatch> colour;
+  const int n = tile_width * tile_height;
+  for (int i = 0; i < n; ++i) {
+    x[static_cast<std::size_t>(i)] = (x0 + i % tile_width + 0.5) * fine_width;
+    y[static_cast<std::size_t>(i)] = (y0 + i / tile_width + 0.5) * fine_height;
+  }
+  tile.colours(x.data(), y.data(), n, colour.data());
+  for (int py = yb; py < ye; ++py) {
+    for (int px = xb; px < xe; ++px) {
+      const auto i = static_cast<std::size_t>((py - y0) * tile_width + (px - x0));
+      for (std::size_t c = 0; c < channels; ++c) to(px, py)[c] = static_cast<float>(colour[c * kBatch + i]);
+    }
+  }
+  if (crossed.empty()) return;
+  static const std::array<Vec2, kSamples> pattern = sample_pattern();
+  for (int py = yb; py < ye; ++py) {
+    const std::uint64_t row = static_cast<std::uint64_t>(py) << 32;
+    auto it = std::lower_bound(crossed.begin(), crossed.end(), row | static_cast<std::uint32_t>(xb));
+    for (; it != crossed.end() && *it < (row | static_cast<std::uint32_t>(xe)); ++it) {
+      const int px = static_cast<int>(*it & 0xffffffffu);
+      for (std::size_t i = 0; i < kSamples; ++i) {
+        x[i] = (px + pattern[i].x) * fine_width;
+        y[i] = (py + pattern[i].y) * fine_height;
+      }
+      tile.colours(x.data(), y.data(), kSamples, colour.data());
+      ColourMean mean(channels);
+      for (std::size_t i = 0; i < kSamples; ++i) mean.add(colour.data() + i, kBatch);
+      mean.store(to(px, py));
+    }
+  }
+}
+
+void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, int column_end, float* out) const {
+  std::vector<std::uint64_t> crossed;
+  if (antialias) {
+    crossed = trace.crossed_pixels(fine_width, fine_height, row_begin, row_end, column_begin, column_end);
+  }
+  const int first_column = column_begin / tile_width;
+  const int last_column = (column_end - 1) / tile_width;
+  const int first_row = row_begin / tile_height;
+  const int last_row = (row_end - 1) / tile_height;
+  // Blocks of neighbouring tiles share a Tile and its buffers.
+  constexpr int kTilesPerTask = 16;
+  const int tasks_per_row = (last_column - first_column) / kTilesPerTask + 1;
+  const auto tasks = static_cast<std::size_t>(last_row - first_row + 1) * static_cast<std::size_t>(tasks_per_row);
+  parallel_for(tasks, [&](std::size_t task) {
+    Tile tile(surface);
+    const int tile_row = first_row + static_cast<int>(task / static_cast<std::size_t>(tasks_per_row));
+    const int begin = first_column +
+                      static_cast<int>(task % static_cast<std::size_t>(tasks_per_row)) * kTilesPerTask;
+    for (int c = begin; c <= std::min(begin + kTilesPerTask - 1, last_column); ++c) {
+      draw_tile(tile, tile_row, c, crossed, row_begin, row_end, column_begin, column_end, out);
+    }
+  });
+}
+
+/// One output row from its reduce_y fine rows.
+void Renderer::State::reduce_row(const float* fine, int columns, float* out) const {
+  const int fine_columns = columns * reduce_x;
+  for (int column = 0; column < columns; ++column) {
+    ColourMean mean(channels);
+    for (int y = 0; y < reduce_y; ++y) {
+      for (int x = 0; x < reduce_x; ++x) {
+        const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(fine_columns) +
+                           static_cast<std::size_t>(column * reduce_x + x);
+        mean.add(fine + pixel * channels, 1);
+      }
+    }
+    mean.store(out + static_cast<std::size_t>(column) * channels);
+  }
+}
+
+Renderer::Renderer(const document::FrameModel& model, const RenderOptions& options)
+    : state_(std::make_unique<State>(model, options)) {}
+Renderer::~Renderer() = default;
+Renderer::Renderer(Renderer&&) noexcept = default;
+Renderer& Renderer::operator=(Renderer&&) noexcept = default;
+
+int Renderer::width() const { return state_->size.crop_width; }
+int Renderer::height() const { return state_->size.crop_height; }
+int Renderer::channels() const { return static_cast<int>(state_->channels); }
+
+void Renderer::rows(int begin, int end, std::span<float> out) const {
+  const State& s = *state_;
+  const auto row_samples = static_cast<std::size_t>(width()) * s.channels;
+  if (begin < 0 || end < begin || end > height() ||
+      out.size() != static_cast<std::size_t>(end - begin) * row_samples) {
+    throw Error(ErrorKind::kInvalidArgument, "rows asked of a renderer do not fit the picture");
+  }
+  if (begin == end) return;
+  const int x0 = s.size.crop_x;
+  const int y0 = s.size.crop_y;
+  if (s.reduce_x == 1 && s.reduce_y == 1) {
+    s.fine_rows(y0 + begin, y0 + end, x0, x0 + width(), out.data());
+    return;
+  }
+  // Smaller pictures: the mean of the fine pixels, a few output rows at a time to bound the memory.
+  const auto fine_columns = static_cast<std::size_t>(width()) * static_cast<std::size_t>(s.reduce_x);
+  const auto per_row = fine_columns * static_cast<std::size_t>(s.reduce_y) * s.channels;
+  const int chunk = std::max(1, static_cast<int>((std::size_t{1} << 21) / std::max<std::size_t>(per_row, 1)));
+  std::vector<float> fine;
+  for (int row = begin; row < end; row += chunk) {
+    const int rows_now = std::min(chunk, end - row);
+    fine.resize(per_row * static_cast<std::size_t>(rows_now));
+    s.fine_rows((y0 + row) * s.reduce_y, (y0 + row + rows_now) * s.reduce_y, x0 * s.reduce_x,
+                (x0 + width()) * s.reduce_x, fine.data());
+    parallel_for(static_cast<std::size_t>(rows_now), [&](std::size_t r) {
+      float* to = out.data() + (static_cast<std::size_t>(row - begin) + r) * row_samples;
+      s.reduce_row(fine.data() + r * per_row, width(), to);
+    });
+  }
+}
+
+std::vector<float> render(const document::FrameModel& model, const RenderOptions& options) {
+  const Renderer renderer(model, options);
+  std::vector<float> out(static_cast<std::size_t>(renderer.width()) * static_cast<std::size_t>(renderer.height()) *
+                         static_cast<std::size_t>(renderer.channels()));
+  renderer.rows(0, renderer.height(), out);
+  return out;
+}
+
+}  // namespace knotreel::raster
