@@ -89,7 +89,8 @@ class Writer::Impl {
 
  private:
   void require_open() const {
-    if (finished_) throw Error(ErrorKind::kInvalidArgument, "the document is finished already");
+    if (finished_)
+      throw Error(ErrorKind::kInvalidArgument, "the document is finished already, or could not be written");
   }
 
   void put(const std::vector<std::byte>& bytes) {
@@ -101,7 +102,9 @@ class Writer::Impl {
     if (!out_->flush()) fail("cannot be written");
   }
 
+  /// After a failed write the last chunk may be cut off, so nothing must follow it.
   [[noreturn]] void fail(const std::string& what) {
+    finished_ = true;
     const std::string name = part_.empty() ? "the document" : part_.string();
     throw Error(ErrorKind::kOutput, name + " " + what);
   }

@@ -5,6 +5,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "document/sample_models.h"
 #include "knotreel/base/error.h"
@@ -115,6 +116,27 @@ TEST_F(Recovery, AnAbandonedWriterTouchesNothingAtThePath) {
   std::string text;
   std::ifstream(path()) >> text;
   EXPECT_EQ(text, "old");
+}
+
+TEST_F(Recovery, AFullDiskIsAnOutputErrorAndEndsTheDocument) {
+  std::ofstream full("/dev/full", std::ios::binary);
+  if (!full) GTEST_SKIP() << "no /dev/full here";
+  const auto kind_of = [](auto action) {
+    try {
+      action();
+    } catch (const Error& e) {
+      return e.kind();
+    }
+    return ErrorKind::kInternal;
+  };
+  EXPECT_EQ(kind_of([&] { Writer(full, testing::info_of(frames()[0])); }), ErrorKind::kOutput);
+
+  std::ostringstream out;
+  Writer writer(out, testing::info_of(frames()[0]));
+  out.setstate(std::ios::badbit);
+  EXPECT_EQ(kind_of([&] { writer.append(frames()[0]); }), ErrorKind::kOutput);
+  out.clear();
+  EXPECT_EQ(kind_of([&] { writer.append(frames()[0]); }), ErrorKind::kInvalidArgument);
 }
 
 TEST_F(Recovery, AnUnwritablePathIsAnOutputError) {
