@@ -14,20 +14,25 @@ namespace knotreel::document {
 struct FrameModel {
   std::shared_ptr<const spline::SplineSpace> space;
 
-  /// Geometry control point minus Greville site, in pixels, one per geometry group. All zero: the surface maps
-  /// the parametric domain to the image by the identity.
+  /// Geometry control point minus Greville site, in pixels, one per geometry group. All zero: the surface
+  /// maps the parametric domain to the image by the identity.
   std::vector<Vec2> displacement;
 
   /// Number of colour channels: 1 grey, 2 grey + alpha, 3 RGB, 4 RGBA (alpha is not premultiplied).
   int channels = 3;
 
-  /// Colour control points, function by function, channels interleaved; scale 0..255, values beyond that range
-  /// are normal. Gamma-encoded sRGB (or whatever the source was).
+  /// Colour control points, function by function, channels interleaved; scale 0..255, values beyond that
+  /// range are normal. Gamma-encoded sRGB (or whatever the source was).
   std::vector<double> colour;
+
+  /// Names of the control points, function by function, unique within the frame: a control point of the same
+  /// name in another frame of the group is the same one (docs/format.md, "Identities"). Filled in by Writer
+  /// and Reader; Writer ignores what it is given.
+  std::vector<std::uint32_t> function_ids;
 
   std::uint64_t frame = 0;  ///< index in the sequence, from 0
   std::int64_t pts = 0;     ///< presentation time stamp in units of the document's time base
-  bool keyframe = true;     ///< stored and computed without a predecessor
+  bool keyframe = true;     ///< stored and computed without a predecessor; starts a group
 };
 
 /// Storage by the accounting of the paper's Table 1: 20 bytes per control point, 8 per knot, 6 per triangle.

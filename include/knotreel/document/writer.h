@@ -1,0 +1,61 @@
+#pragma once
+
+#include <filesystem>
+#include <iosfwd>
+#include <memory>
+
+#include "knotreel/document/frame_model.h"
+#include "knotreel/document/sequence_info.h"
+
+namespace knotreel::document {
+
+/// How exactly and how hard to pack. The errors that follow are at most half a step (docs/format.md,
+/// "Bounds").
+struct EncodeOptions {
+  /// Knots lie on a grid of 2^-knot_bits px, 0 to 14; a frame whose faces would flip takes a finer one.
+  int knot_bits = 6;
+  /// Of the control colours, in levels of 0..255; 1/256 to 255, taken to the nearest 1/256.
+  double colour_step = 2.0;
+  /// Of the displacements of geometry control points, in pixels; 1/4096 to 15, taken to the nearest 1/4096.
+  double displacement_step = 1 / 16.0;
+  /// Give the knots of every keyframe the ids 0, 1, 2, ... in the order of the file, which costs no bytes,
+  /// where others cost one to two per knot. For stills, and for encoders that go on from what append()
+  /// returns: a later frame of the group must come with those new ids. False keeps all ids as they are.
+  bool rename_knots = false;
+  /// 1 (fast) to 22 (small).
+  int zstd_level = 12;
+};
+
+/// Writes a document frame by frame. Not safe to use from several threads.
+class Writer {
+ public:
+  /// Writes to `path` + ".part" (replacing it), which Reader can open at any time, and moves it to `path` in
+  /// finish(). Without finish(), nothing changes at `path`, and the frames written so far stay in the part
+  /// file.
+  /// @throws Error{kInvalidArgument} for an info or options out of range, Error{kOutput} if the file cannot
+  /// be created.
+  Writer(const std::filesystem::path& path, SequenceInfo info, EncodeOptions options = {});
+
+  /// Writes to a stream, without seeking; `out` must outlive the writer.
+  Writer(std::ostream& out, SequenceInfo info, EncodeOptions options = {});
+
+  ~Writer();
+  Writer(Writer&&) noexcept;
+  Writer& operator=(Writer&&) noexcept;
+
+  /// Stores a frame; the first is a keyframe whatever the model says.
+  /// @return the frame bit by bit as a reader will get it: rounded, and with knots, faces, segments and
+  /// functions in the order of the file. An encoder that goes on from it does not drift.
+  /// @throws Error{kInvalidArgument} for a model that does not fit the info, is unsound or holds values out
+  /// of range (nothing is written then), Error{kOutput} if writing fails.
+  FrameModel append(const FrameModel& model);
+
+  /// Writes the index and moves the file into place. Call once, last. @throws Error{kOutput}.
+  void finish();
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace knotreel::document

@@ -1,0 +1,193 @@
+#include "document/canonical.h"
+
+#include <algorithm>
+#include <map>
+
+#include "document/bytes.h"
+#include "knotreel/base/error.h"
+#include "knotreel/spline/link.h"
+
+namespace knotreel::document {
+
+using mesh::CornerIndex;
+using spline::FunctionIndex;
+
+namespace {
+
+/// The border in positive order, from the top left corner on.
+std::vector<KnotIndex> border_loop(const mesh::KnotMesh& mesh) {
+  using Edge = std::pair<KnotIndex, KnotIndex>;
+  std::vector<Edge> edges;
+  edges.reserve(3 * mesh.faces.size());
+  for (const Face& f : mesh.faces) {
+    for (std::size_t i = 0; i < 3; ++i) edges.emplace_back(f[i], f[(i + 1) % 3]);
+  }
+  std::sort(edges.begin(), edges.end());
+  std::vector<KnotIndex> next(mesh.knots.size(), kNoKnot);
+  KnotIndex start = kNoKnot;
+  for (const auto& [a, b] : edges) {
+    if (std::binary_search(edges.begin(), edges.end(), Edge{b, a})) continue;
+    next[a] = b;
+    if (mesh.knots[a].position == Vec2{0, 0}) start = a;
+  }
+  if (start == kNoKnot) malformed("the mesh has no top left corner");
+  std::vector<KnotIndex> loop;
+  for (KnotIndex k = start; k != kNoKnot && loop.size() < mesh.knots.size(); k = next[k]) {
+    loop.push_back(k);
+    if (next[k] == start) return loop;
+  }
+  malformed("the border of the mesh is open");
+}
+
+std::vector<mesh::FeatureSegment> canonical_segments(const mesh::KnotMesh& mesh,
+                                                     const std::vector<KnotIndex>& canonical) {
+  std::vector<mesh::FeatureSegment> segments = mesh.segments;
+  for (mesh::FeatureSegment& s : segments) {
+    for (KnotIndex& k : s.knots) k = canonical[k];
+    if (s.knots.front() > s.knots.back()) std::reverse(s.knots.begin(), s.knots.end());
+  }
+  std::sort(segments.begin(), segments.end(), [](const auto& x, const auto& y) { return x.knots < y.knots; });
+  return segments;
+}
+
+bool same_numbering(const mesh::KnotMesh& given, const CanonicalMesh& numbering) {
+  for (KnotIndex k = 0; k < numbering.knot_of.size(); ++k) {
+    if (numbering.knot_of[k] != k) return false;
+  }
+  return given.faces == numbering.mesh.faces &&
+         std::equal(given.segments.begin(), given.segments.end(), numbering.mesh.segments.begin(),
+                    [](const auto& x, const auto& y) { return x.knots == y.knots; });
+}
+
+/// Polygon with the vertex of its link in front, in canonical corners: what names a link.
+using LinkName = std::vector<CornerIndex>;
+
+LinkName link_name(const spline::LinkPolygon& polygon, const std::vector<CornerIndex>* to_canonical) {
+  const auto map = [&](CornerIndex c) { return to_canonical ? (*to_canonical)[c] : c; };
+  LinkName name;
+  for (const CornerIndex c : polygon.vertex) name.push_back(map(c));
+  std::sort(name.begin(), name.end());
+  const auto begin = static_cast<std::ptrdiff_t>(name.size());
+  for (const CornerIndex c : polygon.corners) name.push_back(map(c));
+  std::rotate(name.begin() + begin, std::min_element(name.begin() + begin, name.end()), name.end());
+  return name;
+}
+
+using Triangles = std::vector<spline::PolygonTriangle>;
+
+/// The triangulations of all links of a space, by canonical name; places count from the start of the name's
+/// polygon.
+std::map<LinkName, Triangles> recorded_links(const spline::SplineSpace& given,
+                                             const std::vector<CornerIndex>& to_canonical) {
+  std::map<LinkName, Triangles> links;
+  std::span<const std::uint16_t> codes = given.link_codes();
+  spline::SplineSpace(given.mesh(), given.degree(), [&](const spline::LinkPolygon& polygon, auto& out) {
+    const std::size_t n = polygon.corners.size();
+    Triangles triangles;
+    const std::size_t used = spline::decode_triangulation(n, codes, triangles).value();
+    out.insert(out.end(), codes.begin(), codes.begin() + static_cast<std::ptrdiff_t>(used));
+    codes = codes.subspan(used);
+    const LinkName name = link_name(polygon, &to_canonical);
+    const auto first = std::find(name.begin() + static_cast<std::ptrdiff_t>(polygon.vertex.size()),
+                                 name.end(), to_canonical[polygon.corners[0]]);
+    const auto turn =
+        static_cast<std::uint32_t>(first - name.begin() - static_cast<std::ptrdiff_t>(polygon.vertex.size()));
+    for (auto& t : triangles) {
+      for (std::uint32_t& place : t) place = (place + turn) % static_cast<std::uint32_t>(n);
+    }
+    links.emplace(name, std::move(triangles));
+  });
+  return links;
+}
+
+}  // namespace
+
+CanonicalMesh canonical_mesh(const mesh::KnotMesh& mesh) {
+  CanonicalMesh result;
+  const std::vector<KnotIndex> border = border_loop(mesh);
+  Conquered conquered = conquer(mesh.knots.size(), mesh.faces, border);
+  result.conquest = std::move(conquered.conquest);
+  result.knot_of = std::move(conquered.knot_of);
+  result.face_of = std::move(conquered.face_of);
+  result.border_count = static_cast<KnotIndex>(border.size());
+
+  std::vector<KnotIndex> canonical(mesh.knots.size());
+  result.mesh.width = mesh.width;
+  result.mesh.height = mesh.height;
+  for (KnotIndex k = 0; k < result.knot_of.size(); ++k) {
+    canonical[result.knot_of[k]] = k;
+    result.mesh.knots.push_back(mesh.knots[result.knot_of[k]]);
+  }
+  result.mesh.faces = result.conquest.faces;
+  result.mesh.segments = canonical_segments(mesh, canonical);
+
+  const Vec2 corners[] = {{0, 0}, {mesh.width, 0}, {mesh.width, mesh.height}, {0, mesh.height}};
+  KnotIndex k = 0;
+  for (std::size_t i = 0; i < 4; ++i) {
+    while (k < result.border_count && !(result.mesh.knots[k].position == corners[i])) ++k;
+    if (k == result.border_count) malformed("a domain corner is not on the border of the mesh");
+    result.domain_corners[i] = k;
+  }
+  return result;
+}
+
+std::vector<CornerIndex> corner_map(const mesh::CutMesh& given, const mesh::CutMesh& canonical,
+                                    const CanonicalMesh& numbering) {
+  std::vector<CornerIndex> map(given.corners.size());
+  for (std::size_t f = 0; f < canonical.faces.size(); ++f) {
+    const auto& from = given.faces[numbering.face_of[f]];
+    const auto& to = canonical.faces[f];
+    // The same face, perhaps rotated.
+    const KnotIndex first = numbering.knot_of[canonical.corners[to[0]].knot];
+    std::size_t turn = 0;
+    while (given.corners[from[turn]].knot != first) ++turn;
+    for (std::size_t i = 0; i < 3; ++i) map[from[(i + turn) % 3]] = to[i];
+  }
+  return map;
+}
+
+std::shared_ptr<const spline::SplineSpace> canonical_space(const spline::SplineSpace& given,
+                                                           mesh::KnotMesh mesh,
+                                                           const CanonicalMesh& numbering) {
+  if (same_numbering(given.mesh(), numbering)) {
+    return std::make_shared<spline::SplineSpace>(
+        spline::SplineSpace::from_link_codes(std::move(mesh), given.degree(), given.link_codes()));
+  }
+  const auto to_canonical = corner_map(given.cut(), mesh::cut_open(mesh), numbering);
+  const auto links = recorded_links(given, to_canonical);
+  return std::make_shared<spline::SplineSpace>(
+      std::move(mesh), given.degree(), [&](const spline::LinkPolygon& polygon, auto& codes) {
+        const auto link = links.find(link_name(polygon, nullptr));
+        // At degree 3, the link of two multiple corners can depend on the numbering: choose anew.
+        spline::encode_triangulation(
+            polygon.corners.size(),
+            link != links.end() ? link->second : spline::triangulate_polygon(polygon.positions), codes);
+      });
+}
+
+std::vector<FunctionIndex> function_map(const spline::SplineSpace& given,
+                                        const spline::SplineSpace& canonical,
+                                        const CanonicalMesh& numbering) {
+  const auto to_canonical = corner_map(given.cut(), canonical.cut(), numbering);
+  std::vector<std::pair<std::array<CornerIndex, 3>, FunctionIndex>> mapped;
+  mapped.reserve(given.function_count());
+  for (FunctionIndex f = 0; f < given.function_count(); ++f) {
+    std::array<CornerIndex, 3> knots = given.functions()[f].knots;
+    for (CornerIndex& c : knots) {
+      if (c != spline::kNoCorner) c = to_canonical[c];
+    }
+    std::sort(knots.begin(), knots.end());
+    mapped.emplace_back(knots, f);
+  }
+  std::sort(mapped.begin(), mapped.end());
+  std::vector<FunctionIndex> map;
+  for (const auto& [knots, f] : mapped) map.push_back(f);
+  const bool same =
+      std::equal(mapped.begin(), mapped.end(), canonical.functions().begin(), canonical.functions().end(),
+                 [](const auto& m, const spline::Function& function) { return m.first == function.knots; });
+  if (!same)
+    throw Error(ErrorKind::kInternal, "the functions of a frame changed with the order of its knots");
+  return map;
+}
+
+}  // namespace knotreel::document

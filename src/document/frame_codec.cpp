@@ -1,0 +1,224 @@
+#include "document/frame_codec.h"
+
+#include <algorithm>
+#include <limits>
+
+#include "document/canonical.h"
+#include "document/control_coding.h"
+#include "document/identity.h"
+#include "document/knot_coding.h"
+#include "document/quantise.h"
+#include "document/topology_coding.h"
+#include "knotreel/base/error.h"
+
+namespace knotreel::document {
+namespace {
+
+constexpr std::uint8_t kKeyframe = 1;
+constexpr std::uint8_t kTopology = 2;  ///< stored; else that of the frame before
+
+FramePrefix read_prefix(ByteReader& in, std::uint8_t& flags) {
+  flags = in.u8();
+  if (flags > (kKeyframe | kTopology)) malformed("a frame has unknown flags");
+  if ((flags & kKeyframe) && !(flags & kTopology)) malformed("a keyframe has no topology");
+  FramePrefix prefix;
+  prefix.keyframe = flags & kKeyframe;
+  prefix.frame = in.varint();
+  prefix.pts = in.svarint();
+  return prefix;
+}
+
+bool same_topology(const FrameState& x, const FrameState& y) {
+  const mesh::KnotMesh& a = x.mesh();
+  const mesh::KnotMesh& b = y.mesh();
+  return x.domain_corners == y.domain_corners && a.faces == b.faces &&
+         std::ranges::equal(x.space->link_codes(), y.space->link_codes()) &&
+         std::ranges::equal(a.knots, b.knots, {}, &mesh::Knot::id, &mesh::Knot::id) &&
+         std::ranges::equal(a.segments, b.segments, {}, &mesh::FeatureSegment::knots,
+                            &mesh::FeatureSegment::knots);
+}
+
+/// Matches of a state with the frame before; empty without one.
+Matches match(const FrameState& state, const FrameState* before, bool topology_stored) {
+  if (!before) return {};
+  if (!topology_stored) return identity(state);
+  return {match_knots(state.mesh(), before->mesh()), match_functions(*state.space, *before->space),
+          match_groups(*state.space, *before->space)};
+}
+
+void quantise_controls(FrameState& state, const FrameModel& model, const Format& format,
+                       const std::vector<spline::FunctionIndex>& function_of) {
+  const spline::SplineSpace& given = *model.space;
+  const auto channels = static_cast<std::size_t>(format.info.channels);
+  state.colour.reserve(channels * function_of.size());
+  state.displacement.resize(2 * state.space->geometry_count());
+  for (spline::FunctionIndex f = 0; f < function_of.size(); ++f) {
+    for (std::size_t c = 0; c < channels; ++c) {
+      state.colour.push_back(
+          quantise(model.colour[channels * function_of[f] + c], format.colour_scale(), "control colour"));
+    }
+    const Vec2 d = model.displacement[given.geometry_of()[function_of[f]]];
+    const std::uint32_t g = state.space->geometry_of()[f];
+    state.displacement[2 * g] = quantise(d.x, format.displacement_scale(), "displacement");
+    state.displacement[2 * g + 1] = quantise(d.y, format.displacement_scale(), "displacement");
+  }
+}
+
+void require_fitting(const FrameModel& model, const Format& format) {
+  const auto require = [](bool holds, const char* what) {
+    if (!holds) throw Error(ErrorKind::kInvalidArgument, std::string("cannot store a frame: ") + what);
+  };
+  require(model.space != nullptr, "it has no spline space");
+  require(model.space->degree() == format.info.degree, "its degree is not that of the document");
+  require(model.channels == format.info.channels, "its channels are not those of the document");
+  require(model.space->mesh().width == format.info.width && model.space->mesh().height == format.info.height,
+          "its size is not that of the document");
+  require(model.displacement.size() == model.space->geometry_count(),
+          "it has too few or too many displacements");
+  require(model.colour.size() == model.space->function_count() * static_cast<std::size_t>(model.channels),
+          "it has too few or too many control colours");
+}
+
+}  // namespace
+
+void name_functions(FrameState& state, const FrameState* before, const std::vector<std::uint32_t>& matches) {
+  state.next_function_id = before ? before->next_function_id : 0;
+  state.function_ids.resize(state.space->function_count());
+  for (std::size_t f = 0; f < state.function_ids.size(); ++f) {
+    const bool old = before && matches[f] != kNoMatch;
+    state.function_ids[f] = old ? before->function_ids[matches[f]] : state.next_function_id++;
+  }
+}
+
+FrameState to_state(const FrameModel& model, const FrameState* before, const Format& format,
+                    const QuantiseOptions& options) {
+  require_fitting(model, format);
+  FrameState state;
+  state.frame = model.frame;
+  state.pts = model.pts;
+  state.keyframe = before == nullptr;
+  try {
+    CanonicalMesh numbering = canonical_mesh(model.space->mesh());
+    state.grid = quantise_knots(numbering, options.knot_bits);
+    state.domain_corners = numbering.domain_corners;
+    state.discoveries = numbering.conquest.discoveries;
+    state.border_count = numbering.border_count;
+    mesh::KnotMesh mesh = numbering.mesh;
+    if (!before && options.rename_knots) {
+      for (std::uint32_t k = 0; k < mesh.knots.size(); ++k) mesh.knots[k].id = KnotId{k};
+    }
+    state.space = canonical_space(*model.space, std::move(mesh), numbering);
+    quantise_controls(state, model, format, function_map(*model.space, *state.space, numbering));
+  } catch (const Malformed& e) {
+    throw Error(ErrorKind::kInvalidArgument, std::string("cannot store a frame: ") + e.what());
+  }
+  name_functions(state, before, match(state, before, !before || !same_topology(state, *before)).functions);
+  return state;
+}
+
+std::vector<std::byte> encode_frame(const FrameState& state, const FrameState* before, const Format& format,
+                                    StreamWriter& streams) {
+  const bool store_topology = !before || !same_topology(state, *before);
+  const auto channels = static_cast<std::size_t>(format.info.channels);
+  const mesh::KnotMesh& mesh = state.mesh();
+
+  ByteWriter out;
+  out.u8(static_cast<std::uint8_t>((state.keyframe ? kKeyframe : 0) | (store_topology ? kTopology : 0)));
+  out.varint(state.frame);
+  out.svarint(state.pts);
+  out.u8(static_cast<std::uint8_t>(state.grid.bits));
+  if (store_topology) {
+    const auto codes = state.space->link_codes();
+    write_topology(mesh, canonical_mesh(mesh).conquest, state.domain_corners, {codes.begin(), codes.end()},
+                   before ? &before->mesh() : nullptr, streams, out);
+  }
+
+  const Matches matches = match(state, before, store_topology);
+  ResidualWriter residuals(stream::kColour + channels);
+  FrameState copy = state;  // the coding is written for both directions and wants places to write to
+  const KnotLayout layout{mesh, state.discoveries, state.border_count, state.domain_corners};
+  KnotCoding(residuals, layout, PreviousKnots(before, matches.knots, state.grid.bits), copy.grid).run();
+  code_displacements(residuals, copy, before, matches);
+  code_colours(residuals, copy, before, matches, channels);
+  residuals.write(streams, out);
+
+  std::vector<std::byte> payload = out.take();
+  const std::size_t knots_before = before ? before->mesh().knots.size() : 0;
+  const std::size_t least = mesh.knots.size() - std::min(mesh.knots.size(), knots_before + kFreeKnots);
+  if (payload.size() < least) payload.resize(least, std::byte{0});
+  return payload;
+}
+
+FramePrefix read_prefix(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  std::uint8_t flags = 0;
+  return read_prefix(in, flags);
+}
+
+FrameState decode_frame(std::span<const std::byte> payload, const FrameState* before, const Format& format,
+                        StreamReader& streams) {
+  ByteReader in(payload);
+  std::uint8_t flags = 0;
+  const FramePrefix prefix = read_prefix(in, flags);
+  FrameState state;
+  state.frame = prefix.frame;
+  state.pts = prefix.pts;
+  state.keyframe = prefix.keyframe;
+  if (state.keyframe) before = nullptr;
+  if (!state.keyframe && !before) malformed("a frame depends on one before it, but there is none");
+  state.grid.bits = in.u8();
+  if (state.grid.bits > kMaxKnotBits) malformed("the knot grid is finer than allowed");
+
+  Topology topology;
+  if (flags & kTopology) {
+    const std::size_t most = (before ? before->mesh().knots.size() : 0) + payload.size() + kFreeKnots;
+    topology = read_topology(std::min<std::size_t>(most, std::numeric_limits<KnotIndex>::max() / 32),
+                             before ? &before->mesh() : nullptr, streams, in);
+  } else {
+    topology.mesh = before->mesh();
+    topology.discoveries = before->discoveries;
+    topology.border_count = before->border_count;
+    topology.domain_corners = before->domain_corners;
+    const auto codes = before->space->link_codes();
+    topology.link_codes.assign(codes.begin(), codes.end());
+  }
+  topology.mesh.width = format.info.width;
+  topology.mesh.height = format.info.height;
+  state.border_count = topology.border_count;
+  state.domain_corners = topology.domain_corners;
+  state.discoveries = std::move(topology.discoveries);
+  const std::size_t knots = topology.mesh.knots.size();
+  state.grid.points.resize(knots);
+  state.grid.parameters.resize(knots);
+
+  const auto channels = static_cast<std::size_t>(format.info.channels);
+  ResidualReader residuals(stream::kColour + channels);
+  residuals.read(0, stream::kDisplacementX, 2 * knots, streams, in);
+  Matches matches;
+  if (before) {
+    matches.knots =
+        (flags & kTopology) ? match_knots(topology.mesh, before->mesh()) : identity(*before).knots;
+  }
+  const KnotLayout layout{topology.mesh, state.discoveries, state.border_count, state.domain_corners};
+  KnotCoding(residuals, layout, PreviousKnots(before, matches.knots, state.grid.bits), state.grid).run();
+  set_positions(topology.mesh, state.grid);
+  if (const auto defect = mesh::find_defect(topology.mesh)) malformed(*defect);
+  state.space = std::make_shared<spline::SplineSpace>(spline::SplineSpace::from_link_codes(
+      std::move(topology.mesh), format.info.degree, topology.link_codes));
+
+  matches = match(state, before, flags & kTopology);
+  const std::size_t functions = state.space->function_count();
+  residuals.read(stream::kDisplacementX, stream::kColour + channels, functions, streams, in);
+  state.displacement.resize(2 * state.space->geometry_count());
+  state.colour.resize(channels * functions);
+  code_displacements(residuals, state, before, matches);
+  code_colours(residuals, state, before, matches, channels);
+  residuals.require_used_up();
+  while (in.remaining() > 0) {
+    if (in.u8() != 0) malformed("data after the last stream of a frame");
+  }
+  name_functions(state, before, matches.functions);
+  return state;
+}
+
+}  // namespace knotreel::document

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "document/frame_state.h"
+#include "document/streams.h"
+
+/// Frames to payloads and back, without container and checksum (docs/format.md, "Frame").
+namespace knotreel::document {
+
+/// A frame may have as many knots as the frame before plus one per byte of its payload, and four more; the
+/// writer pads where needed. So the knots of a document never outnumber its bytes.
+inline constexpr std::size_t kFreeKnots = 4;
+
+/// What the index also holds of a frame.
+struct FramePrefix {
+  bool keyframe = false;
+  std::uint64_t frame = 0;
+  std::int64_t pts = 0;
+};
+
+struct QuantiseOptions {
+  int knot_bits = 6;
+  bool rename_knots = false;
+};
+
+/// Brings a model into the form of the file.
+/// @param before  null makes a keyframe.
+/// @throws Error{kInvalidArgument} for a model that cannot be stored.
+FrameState to_state(const FrameModel& model, const FrameState* before, const Format& format,
+                    const QuantiseOptions& options);
+
+/// Function ids of a state whose space is set: those of matching functions before, new ones for the rest.
+void name_functions(FrameState& state, const FrameState* before, const std::vector<std::uint32_t>& matches);
+
+/// @param before  as given to to_state.
+std::vector<std::byte> encode_frame(const FrameState& state, const FrameState* before, const Format& format,
+                                    StreamWriter& streams);
+
+FramePrefix read_prefix(std::span<const std::byte> payload);
+
+/// Decodes a payload that may be hostile; all that it returns is sound.
+/// @param before  the frame before in the file; may be null for a keyframe.
+/// @throws Malformed or Error{kInput}.
+FrameState decode_frame(std::span<const std::byte> payload, const FrameState* before, const Format& format,
+                        StreamReader& streams);
+
+}  // namespace knotreel::document

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "document/frame_state.h"
+
+/// What is the same knot and the same control point in two frames (docs/format.md, "Identities").
+namespace knotreel::document {
+
+inline constexpr std::uint32_t kNoMatch = 0xffffffffu;
+
+/// For every element of a frame the index of the same one in the frame before, or kNoMatch.
+struct Matches {
+  std::vector<std::uint32_t> knots;
+  std::vector<std::uint32_t> functions;
+  std::vector<std::uint32_t> groups;
+};
+
+/// Everything matches itself.
+Matches identity(const FrameState& state);
+
+/// Knots with the same id.
+std::vector<std::uint32_t> match_knots(const mesh::KnotMesh& mesh, const mesh::KnotMesh& before);
+
+/// Functions with the same I, as knot ids and the sectors around them.
+std::vector<std::uint32_t> match_functions(const spline::SplineSpace& space,
+                                           const spline::SplineSpace& before);
+
+/// Geometry groups with the same knot ids.
+std::vector<std::uint32_t> match_groups(const spline::SplineSpace& space, const spline::SplineSpace& before);
+
+}  // namespace knotreel::document

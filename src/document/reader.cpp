@@ -1,0 +1,67 @@
+#include "knotreel/document/reader.h"
+
+#include <string>
+#include <utility>
+
+#include "document/document_file.h"
+#include "knotreel/base/error.h"
+
+namespace knotreel::document {
+
+class Reader::Impl {
+ public:
+  explicit Impl(std::unique_ptr<ByteSource> source) : file(std::move(source), true) {}
+
+  void require_frame(std::size_t frame) const {
+    if (frame < file.records().size()) return;
+    throw Error(ErrorKind::kInvalidArgument, "there is no frame " + std::to_string(frame) +
+                                                 ": the document has " +
+                                                 std::to_string(file.records().size()) + ", counted from 0");
+  }
+
+  DocumentFile file;
+};
+
+Reader::Reader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
+Reader::~Reader() = default;
+Reader::Reader(Reader&&) noexcept = default;
+Reader& Reader::operator=(Reader&&) noexcept = default;
+
+Reader Reader::open(const std::filesystem::path& path) {
+  return Reader(std::make_unique<Impl>(open_file(path)));
+}
+
+Reader Reader::open(std::vector<std::byte> bytes, std::string name) {
+  return Reader(std::make_unique<Impl>(open_memory(std::move(bytes), std::move(name))));
+}
+
+const SequenceInfo& Reader::info() const {
+  return impl_->file.format().info;
+}
+std::size_t Reader::frame_count() const {
+  return impl_->file.records().size();
+}
+bool Reader::complete() const {
+  return impl_->file.complete();
+}
+double Reader::colour_tolerance() const {
+  return impl_->file.format().colour_scale() / 2;
+}
+double Reader::displacement_tolerance() const {
+  return impl_->file.format().displacement_scale() / 2;
+}
+std::uint64_t Reader::file_bytes() const {
+  return impl_->file.bytes();
+}
+
+const FrameRecord& Reader::record(std::size_t frame) const {
+  impl_->require_frame(frame);
+  return impl_->file.records()[frame];
+}
+
+FrameModel Reader::read(std::size_t frame) {
+  impl_->require_frame(frame);
+  return to_model(impl_->file.read(frame), impl_->file.format());
+}
+
+}  // namespace knotreel::document

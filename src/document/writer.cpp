@@ -1,0 +1,142 @@
+#include "knotreel/document/writer.h"
+
+#include <cmath>
+#include <fstream>
+#include <optional>
+#include <ostream>
+#include <string>
+#include <system_error>
+
+#include "document/container.h"
+#include "document/frame_codec.h"
+#include "knotreel/base/error.h"
+
+namespace knotreel::document {
+namespace {
+
+std::uint32_t units(double step, double per_unit, const char* name) {
+  const double n = std::round(step * per_unit);
+  if (!(n >= 1 && n <= 65535)) {
+    throw Error(ErrorKind::kInvalidArgument,
+                std::string("the ") + name + " step of a document is out of range");
+  }
+  return static_cast<std::uint32_t>(n);
+}
+
+Format make_format(SequenceInfo info, const EncodeOptions& options) {
+  if (const char* defect = find_defect(info)) throw Error(ErrorKind::kInvalidArgument, defect);
+  if (options.knot_bits < kMinKnotBits || options.knot_bits > kMaxKnotBits) {
+    throw Error(ErrorKind::kInvalidArgument, "the knot bits of a document are 0 to 14");
+  }
+  if (options.zstd_level < 1 || options.zstd_level > 22) {
+    throw Error(ErrorKind::kInvalidArgument, "the zstd level of a document is 1 to 22");
+  }
+  return {std::move(info), units(options.colour_step, kColourUnits, "colour"),
+          units(options.displacement_step, kDisplacementUnits, "displacement")};
+}
+
+}  // namespace
+
+class Writer::Impl {
+ public:
+  /// @param out  null to write to `path`.
+  Impl(std::ostream* out, std::filesystem::path path, SequenceInfo info, const EncodeOptions& options)
+      : format_(make_format(std::move(info), options)),
+        quantise_{options.knot_bits, options.rename_knots},
+        streams_(options.zstd_level),
+        path_(std::move(path)) {
+    if (!out) {
+      part_ = path_;
+      part_ += ".part";
+      file_.open(part_, std::ios::binary | std::ios::trunc);
+      if (!file_) fail("cannot be created");
+    }
+    out_ = out ? out : &file_;
+    put(preamble());
+    put(chunk(ChunkType::kHeader, write_header(format_)));
+    flush();
+  }
+
+  FrameModel append(const FrameModel& model) {
+    require_open();
+    const FrameState* before = state_ && !model.keyframe ? &*state_ : nullptr;
+    FrameState state = to_state(model, before, format_, quantise_);
+    const std::vector<std::byte> bytes =
+        chunk(ChunkType::kFrame, encode_frame(state, before, format_, streams_));
+    const FrameRecord record{position_, bytes.size(), state.frame, state.pts, state.keyframe};
+    put(bytes);
+    flush();
+    records_.push_back(record);
+    state_ = std::move(state);
+    return to_model(*state_, format_);
+  }
+
+  void finish() {
+    require_open();
+    finished_ = true;
+    ByteWriter end;
+    end.u64(position_);
+    put(chunk(ChunkType::kIndex, write_index(records_)));
+    put(chunk(ChunkType::kEnd, end.view()));
+    flush();
+    if (part_.empty()) return;
+    file_.close();
+    if (!file_) fail("cannot be written");
+    std::error_code error;
+    std::filesystem::rename(part_, path_, error);
+    if (error) fail("cannot be moved into place: " + error.message());
+  }
+
+ private:
+  void require_open() const {
+    if (finished_)
+      throw Error(ErrorKind::kInvalidArgument, "the document is finished already, or could not be written");
+  }
+
+  void put(const std::vector<std::byte>& bytes) {
+    out_->write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    position_ += bytes.size();
+  }
+
+  void flush() {
+    if (!out_->flush()) fail("cannot be written");
+  }
+
+  /// After a failed write the last chunk may be cut off, so nothing must follow it.
+  [[noreturn]] void fail(const std::string& what) {
+    finished_ = true;
+    const std::string name = part_.empty() ? "the document" : part_.string();
+    throw Error(ErrorKind::kOutput, name + " " + what);
+  }
+
+  Format format_;
+  QuantiseOptions quantise_;
+  StreamWriter streams_;
+  std::filesystem::path path_;
+  std::filesystem::path part_;  ///< empty when writing to a stream
+  std::ofstream file_;
+  std::ostream* out_ = nullptr;
+  std::uint64_t position_ = 0;
+  std::vector<FrameRecord> records_;
+  std::optional<FrameState> state_;  ///< the last frame as written
+  bool finished_ = false;
+};
+
+Writer::Writer(const std::filesystem::path& path, SequenceInfo info, EncodeOptions options)
+    : impl_(std::make_unique<Impl>(nullptr, path, std::move(info), options)) {}
+
+Writer::Writer(std::ostream& out, SequenceInfo info, EncodeOptions options)
+    : impl_(std::make_unique<Impl>(&out, std::filesystem::path(), std::move(info), options)) {}
+
+Writer::~Writer() = default;
+Writer::Writer(Writer&&) noexcept = default;
+Writer& Writer::operator=(Writer&&) noexcept = default;
+
+FrameModel Writer::append(const FrameModel& model) {
+  return impl_->append(model);
+}
+void Writer::finish() {
+  impl_->finish();
+}
+
+}  // namespace knotreel::document

@@ -1,0 +1,12 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace knotreel::testing {
+
+/// Makes all checksums of a damaged document agree with its bytes again, as far as its chunks can be
+/// followed.
+void reseal(std::vector<std::byte>& document);
+
+}  // namespace knotreel::testing

@@ -1,0 +1,144 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <sstream>
+
+#include "document/sample_models.h"
+#include "knotreel/base/error.h"
+#include "knotreel/document/reader.h"
+#include "knotreel/document/writer.h"
+#include "support/mesh_cases.h"
+
+namespace knotreel {
+namespace {
+
+using document::FrameModel;
+using document::Reader;
+using testing::difference;
+using testing::write_document;
+
+constexpr std::uint64_t kSeed = 20240607;
+
+std::vector<testing::MeshCase> all_cases() {
+  std::vector<testing::MeshCase> cases = testing::corpus_cases();
+  for (auto& c : testing::random_cases(kSeed, 200)) cases.push_back(std::move(c));
+  return cases;
+}
+
+std::vector<std::byte> rewritten(Reader& reader, const document::EncodeOptions& options) {
+  std::vector<FrameModel> frames;
+  for (std::size_t i = 0; i < reader.frame_count(); ++i) frames.push_back(reader.read(i));
+  return write_document(frames, options);
+}
+
+TEST(Document, ReadsBackBitByBitWhatAppendReturned) {
+  for (const testing::MeshCase& c : all_cases()) {
+    SCOPED_TRACE(c.to_text());
+    for (int degree = 1; degree <= 3; ++degree) {
+      const FrameModel model = testing::random_model(c.mesh, degree, 1 + degree, kSeed, degree % 2 == 0);
+      std::ostringstream out;
+      document::Writer writer(out, testing::info_of(model));
+      const FrameModel stored = writer.append(model);
+      writer.finish();
+      const std::string text = out.str();
+      const auto bytes = std::as_bytes(std::span(text));
+      Reader reader = Reader::open({bytes.begin(), bytes.end()});
+      EXPECT_TRUE(reader.complete());
+      EXPECT_EQ(reader.info(), testing::info_of(model));
+      ASSERT_EQ(reader.frame_count(), 1u);
+      ASSERT_EQ(difference(reader.read(0), stored), "");
+    }
+  }
+}
+
+TEST(Document, KeepsItsBytesWhenReadAndWrittenAgain) {
+  for (const testing::MeshCase& c : all_cases()) {
+    SCOPED_TRACE(c.to_text());
+    for (int degree = 1; degree <= 3; ++degree) {
+      for (const bool rename : {false, true}) {
+        document::EncodeOptions options;
+        options.knot_bits = 2 * degree;
+        options.rename_knots = rename;
+        const auto bytes =
+            write_document({testing::random_model(c.mesh, degree, 3, kSeed, degree % 2 == 0)}, options);
+        Reader reader = Reader::open(bytes);
+        ASSERT_EQ(rewritten(reader, options), bytes);
+      }
+    }
+  }
+}
+
+TEST(Document, DoesNotDependOnTheOrderOfTheModel) {
+  document::EncodeOptions options;
+  for (const testing::MeshCase& c : all_cases()) {
+    SCOPED_TRACE(c.to_text());
+    for (int degree = 1; degree <= 2; ++degree) {
+      const FrameModel model = testing::random_model(c.mesh, degree, 3, kSeed, degree == 2);
+      EXPECT_EQ(write_document({model}), write_document({testing::shuffled(model, kSeed)}));
+    }
+  }
+}
+
+TEST(Document, RoundsWithinTheStatedBounds) {
+  const document::EncodeOptions options;
+  for (const testing::MeshCase& c : all_cases()) {
+    SCOPED_TRACE(c.to_text());
+    const FrameModel model = testing::random_model(c.mesh, 2, 3, kSeed);
+    Reader reader = Reader::open(write_document({model}, options));
+    const FrameModel stored = reader.read(0);
+    std::map<mesh::KnotId, Vec2> given;
+    for (const mesh::Knot& k : model.space->mesh().knots) given[k.id] = k.position;
+    double longest = 0;
+    for (const mesh::FeatureSegment& s : model.space->mesh().segments) {
+      longest = std::max(longest, norm(model.space->mesh().knots[s.knots.front()].position -
+                                       model.space->mesh().knots[s.knots.back()].position));
+    }
+    for (const mesh::Knot& k : stored.space->mesh().knots) {
+      const Vec2 d = k.position - given.at(k.id);
+      // docs/format.md, "Bounds": a whole step per axis; on segments half a parameter step more.
+      const double slack = k.kind == mesh::KnotKind::kSegment ? longest / 65536 : 0;
+      EXPECT_LE(std::max(std::abs(d.x), std::abs(d.y)), 1.0 / 64 + slack);
+    }
+    // Control points correspond by the sum over all, since the order may differ.
+    double sum = 0;
+    for (std::size_t i = 0; i < model.colour.size(); ++i) sum += model.colour[i] - stored.colour[i];
+    EXPECT_LE(std::abs(sum), reader.colour_tolerance() * static_cast<double>(model.colour.size()));
+  }
+}
+
+TEST(Document, RefusesModelsThatDoNotFit) {
+  const FrameModel model = testing::random_model(testing::random_mesh(64, 48, 30, 1, kSeed), 2, 3, kSeed);
+  const auto refuses = [&](auto change) {
+    std::ostringstream out;
+    document::Writer writer(out, testing::info_of(model));
+    FrameModel bad = model;
+    change(bad);
+    try {
+      writer.append(bad);
+      return false;
+    } catch (const Error& e) {
+      return e.kind() == ErrorKind::kInvalidArgument;
+    }
+  };
+  EXPECT_FALSE(refuses([](FrameModel&) {}));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.colour.pop_back(); }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.displacement.push_back({}); }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.channels = 1; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.space = nullptr; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.colour[3] = std::nan(""); }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.displacement[0].x = 1e12; }));
+}
+
+TEST(Document, TakesAFinerGridWhereFacesWouldFlip) {
+  testing::MeshBuilder builder(64, 48);
+  builder.free(20.001, 20);
+  builder.free(20.002, 20.0005);
+  builder.free(40, 30);
+  const FrameModel model = testing::random_model(builder.triangulated(), 2, 3, kSeed);
+  Reader reader = Reader::open(write_document({model}));
+  EXPECT_EQ(reader.read(0).space->mesh().knots.size(), 7u);
+  EXPECT_EQ(rewritten(reader, {}), write_document({model}));
+}
+
+}  // namespace
+}  // namespace knotreel

@@ -1,0 +1,168 @@
+#include <gtest/gtest.h>
+
+#include <map>
+#include <random>
+#include <set>
+#include <sstream>
+
+#include "document/sample_models.h"
+#include "knotreel/document/reader.h"
+#include "knotreel/document/writer.h"
+
+namespace knotreel {
+namespace {
+
+using document::FrameModel;
+using document::Reader;
+using testing::difference;
+
+constexpr std::uint64_t kSeed = 77;
+
+struct Sequence {
+  std::vector<FrameModel> stored;  ///< as append returned them
+  std::vector<std::byte> bytes;
+};
+
+/// An encoder loop: every frame starts from what the writer returned. Frames 0 and 6 are keyframes; some keep
+/// the topology, some swap knots, one changes nothing.
+Sequence encode(int degree) {
+  std::ostringstream out;
+  FrameModel model = testing::random_model(testing::random_mesh(160, 120, 120, 3, kSeed), degree, 3, kSeed);
+  document::EncodeOptions options;
+  options.rename_knots = degree == 2;
+  document::Writer writer(out, testing::info_of(model), options);
+  Sequence sequence;
+  for (std::uint64_t f = 0; f < 10; ++f) {
+    sequence.stored.push_back(writer.append(model));
+    const int swaps = f % 3 == 1 ? 4 : 0;
+    model = testing::successor(sequence.stored.back(), swaps, kSeed + f);
+    if (f == 2) {
+      model = sequence.stored.back();
+      model.keyframe = false;
+      ++model.frame;
+    }
+    model.keyframe = f + 1 == 6;
+  }
+  writer.finish();
+  const std::string text = out.str();
+  const auto bytes = std::as_bytes(std::span(text));
+  sequence.bytes.assign(bytes.begin(), bytes.end());
+  return sequence;
+}
+
+TEST(Sequence, ReadsEveryFrameInAnyOrder) {
+  for (int degree = 1; degree <= 3; ++degree) {
+    const Sequence s = encode(degree);
+    Reader reader = Reader::open(s.bytes);
+    ASSERT_EQ(reader.frame_count(), s.stored.size());
+    for (std::size_t f = 0; f < s.stored.size(); ++f)
+      EXPECT_EQ(difference(reader.read(f), s.stored[f]), "") << f;
+    std::mt19937_64 random(kSeed);
+    for (int i = 0; i < 40; ++i) {
+      const std::size_t f = random() % s.stored.size();
+      EXPECT_EQ(difference(reader.read(f), s.stored[f]), "") << f;
+      EXPECT_EQ(reader.record(f).keyframe, f == 0 || f == 6);
+      EXPECT_EQ(reader.record(f).pts, s.stored[f].pts);
+    }
+  }
+}
+
+TEST(Sequence, KeepsItsBytesWhenReadAndWrittenAgain) {
+  const Sequence s = encode(2);
+  Reader reader = Reader::open(s.bytes);
+  std::vector<FrameModel> frames;
+  for (std::size_t f = 0; f < reader.frame_count(); ++f) frames.push_back(reader.read(f));
+  document::EncodeOptions options;
+  options.rename_knots = true;
+  EXPECT_EQ(testing::write_document(frames, options), s.bytes);
+}
+
+TEST(Sequence, AFrameWithoutChangeCostsNextToNothing) {
+  const Sequence s = encode(2);
+  Reader reader = Reader::open(s.bytes);
+  EXPECT_LE(reader.record(3).bytes, 24u);
+  EXPECT_GT(reader.record(0).bytes, 1000u);
+}
+
+TEST(Sequence, FramesThatKeepTheTopologyAreSmall) {
+  const Sequence s = encode(2);
+  Reader reader = Reader::open(s.bytes);
+  EXPECT_LT(reader.record(1).bytes, reader.record(0).bytes);
+}
+
+TEST(Sequence, ControlPointsKeepTheirNameWithTheirKnots) {
+  const Sequence s = encode(2);
+  using Name = std::multiset<mesh::KnotId>;
+  std::map<std::uint32_t, Name> group;  // id -> knots, since the last keyframe
+  std::size_t survivors = 0;
+  for (const FrameModel& frame : s.stored) {
+    if (frame.keyframe) group.clear();
+    const std::size_t before = group.size();
+    std::set<std::uint32_t> seen;
+    const auto& space = *frame.space;
+    for (std::size_t f = 0; f < space.function_count(); ++f) {
+      Name name;
+      for (int i = 0; i < space.degree(); ++i) {
+        const auto corner = space.functions()[f].knots[static_cast<std::size_t>(i)];
+        name.insert(space.mesh().knots[space.cut().corners[corner].knot].id);
+      }
+      EXPECT_TRUE(seen.insert(frame.function_ids[f]).second) << "ids are unique in a frame";
+      const auto [it, fresh] = group.emplace(frame.function_ids[f], name);
+      EXPECT_EQ(it->second, name);
+      survivors += fresh ? 0 : 1;
+    }
+    if (before > 0) {
+      EXPECT_LT(group.size(), before + space.function_count() / 2) << "most control points live on";
+    }
+  }
+  EXPECT_GT(survivors, 1000u);
+}
+
+TEST(Sequence, SidesOfAFeatureKeepTheirNames) {
+  // Swapped knots renumber the mesh; colours left and right of a feature must not change places.
+  FrameModel model = testing::random_model(testing::random_mesh(160, 120, 120, 3, kSeed), 2, 1, kSeed);
+  const auto paint = [](FrameModel& m) {
+    // Colour by the side of the function's one-sided support: the mean of its corners' fans.
+    for (std::uint32_t f = 0; f < m.space->function_count(); ++f) {
+      Vec2 sum;
+      double count = 0;
+      for (const auto c : m.space->functions()[f].knots) {
+        if (c == spline::kNoCorner) continue;
+        for (const auto n : m.space->cut().fan(c)) {
+          sum = sum + m.space->position(n);
+          ++count;
+        }
+      }
+      const Vec2 g = m.space->greville(f);
+      m.colour[f] = sum.y / count > g.y ? 200 : 20;
+    }
+  };
+  paint(model);
+  std::ostringstream out;
+  document::Writer writer(out, testing::info_of(model));
+  FrameModel stored = writer.append(model);
+  int on_features = 0;
+  for (int step = 0; step < 8; ++step) {
+    std::map<std::uint32_t, double> before;
+    for (std::size_t f = 0; f < stored.function_ids.size(); ++f)
+      before[stored.function_ids[f]] = stored.colour[f];
+    FrameModel next = testing::successor(stored, 6, kSeed + static_cast<std::uint64_t>(step));
+    paint(next);
+    stored = writer.append(next);
+    for (std::size_t f = 0; f < stored.function_ids.size(); ++f) {
+      const auto& knots = stored.space->functions()[f].knots;
+      const auto on_segment = [&](mesh::CornerIndex c) {
+        return stored.space->mesh().knots[stored.space->cut().corners[c].knot].kind ==
+               mesh::KnotKind::kSegment;
+      };
+      const auto it = before.find(stored.function_ids[f]);
+      if (it == before.end() || !on_segment(knots[0]) || !on_segment(knots[1])) continue;
+      ++on_features;
+      EXPECT_EQ(it->second, stored.colour[f]);
+    }
+  }
+  EXPECT_GT(on_features, 20);
+}
+
+}  // namespace
+}  // namespace knotreel
