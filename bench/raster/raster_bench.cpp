@@ -13,8 +13,7 @@ namespace {
 /// @param reach random displacement of control points, in pixels; 0 makes the geometry the identity.
 document::FrameModel bench_model(double reach) {
   document::FrameModel model;
-  model.space =
-      std::make_shared<const spline::SplineSpace>(bench::picture_mesh(640, 360, 950, 20), 2);
+  model.space = std::make_shared<const spline::SplineSpace>(bench::picture_mesh(640, 360, 950, 20), 2);
   std::mt19937_64 random(1);
   std::uniform_real_distribution<double> unit(-1, 1);
   const auto& mesh = model.space->mesh();

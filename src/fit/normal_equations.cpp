@@ -26,7 +26,8 @@ class RowIndex {
     entries_.resize(grid.rows.size());
     std::vector<std::size_t> cursor(begin_.begin(), begin_.end() - 1);
     for (FunctionIndex f = 0; f + 1 < grid.row_begin.size(); ++f) {
-      for (const GridValues::Row& r : grid.rows_of(f)) entries_[cursor[static_cast<std::size_t>(r.y)]++] = {f, &r};
+      for (const GridValues::Row& r : grid.rows_of(f))
+        entries_[cursor[static_cast<std::size_t>(r.y)]++] = {f, &r};
     }
     for (std::size_t y = 0; y + 1 < begin_.size(); ++y) {
       std::int32_t longest = 0;
@@ -104,7 +105,8 @@ NormalEquations assemble(const GridValues& grid, const image::Image& image) {
         for (std::int32_t x = row.x_begin; x < row.x_end; ++x) {
           const double v = grid.values[row.offset + static_cast<std::size_t>(x - row.x_begin)];
           for (int c = 0; c < image.channels; ++c) {
-            normal.right(static_cast<Eigen::Index>(f), c) += v * static_cast<double>(pixels[x * image.channels + c]);
+            normal.right(static_cast<Eigen::Index>(f), c) +=
+                v * static_cast<double>(pixels[x * image.channels + c]);
           }
         }
       }

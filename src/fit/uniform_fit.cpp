@@ -12,7 +12,9 @@ namespace knotreel::fit {
 namespace {
 
 /// Basis functions per knot in a large mesh without features, by degree (counted).
-double functions_per_knot(int degree) { return degree == 1 ? 1.0 : degree == 2 ? 2.5 : 3.9; }
+double functions_per_knot(int degree) {
+  return degree == 1 ? 1.0 : degree == 2 ? 2.5 : 3.9;
+}
 
 /// Offsets in [-1, 1) that are the same on every machine, unlike those of std::uniform_real_distribution.
 class Jitter {
@@ -32,7 +34,9 @@ mesh::KnotMesh uniform_mesh(double width, double height, double spacing, std::ui
   const auto add = [&](Vec2 p, mesh::KnotKind kind) {
     mesh.knots.push_back({p, kind, mesh::KnotId{static_cast<std::uint32_t>(mesh.knots.size())}});
   };
-  const auto pieces = [spacing](double length) { return std::max(1, static_cast<int>(std::lround(length / spacing))); };
+  const auto pieces = [spacing](double length) {
+    return std::max(1, static_cast<int>(std::lround(length / spacing)));
+  };
   const int columns = pieces(width);
   for (int i = 1; i < columns; ++i) {
     add({width * (i + 0.1 * jitter.next()) / columns, 0}, mesh::KnotKind::kBorder);
@@ -65,13 +69,14 @@ document::FrameModel fit_uniform(const image::Image& image, const UniformFitOpti
   const double height = image.height;
   const double wanted =
       options.control_points > 0 ? static_cast<double>(options.control_points) : 0.02 * width * height;
-  // A hexagonal lattice has sqrt(3)/2 spacing^2 of area per knot; fewer knots than four corners there cannot be.
+  // A hexagonal lattice has sqrt(3)/2 spacing^2 of area per knot; fewer knots than four corners there cannot
+  // be.
   const double knots = std::max(wanted / functions_per_knot(options.degree), 1.0);
   const double spacing = std::sqrt(width * height / knots / std::sqrt(0.75));
 
   document::FrameModel model;
-  model.space = std::make_shared<const spline::SplineSpace>(uniform_mesh(width, height, spacing, options.seed),
-                                                            options.degree);
+  model.space = std::make_shared<const spline::SplineSpace>(
+      uniform_mesh(width, height, spacing, options.seed), options.degree);
   model.displacement.resize(model.space->geometry_count());
   model.channels = image.channels;
   model.colour = fit_colours(spline::Basis(model.space), image, options.colour);

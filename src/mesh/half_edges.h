@@ -19,7 +19,9 @@ struct HalfEdges {
   static std::uint32_t previous(std::uint32_t h) { return h % 3 == 0 ? h + 2 : h - 1; }
 };
 
-inline KnotIndex origin(const std::vector<Face>& faces, std::uint32_t h) { return faces[h / 3][h % 3]; }
+inline KnotIndex origin(const std::vector<Face>& faces, std::uint32_t h) {
+  return faces[h / 3][h % 3];
+}
 inline KnotIndex target(const std::vector<Face>& faces, std::uint32_t h) {
   return faces[h / 3][(h + 1) % 3];
 }

@@ -19,7 +19,9 @@ constexpr double kCollinearTolerance = 1e-8;
 // Beyond this size of the domain the tolerances of the evaluation (1e-9 px) no longer hold in doubles.
 constexpr double kMaxDomain = 1e6;
 
-std::string knot_name(KnotIndex k) { return "knot " + std::to_string(k); }
+std::string knot_name(KnotIndex k) {
+  return "knot " + std::to_string(k);
+}
 
 Defect find_index_defect(const KnotMesh& mesh) {
   if (mesh.knots.size() < 4 || mesh.faces.size() < 2) return "fewer than 4 knots or 2 faces";
@@ -191,7 +193,8 @@ Defect find_position_defect(const KnotMesh& mesh) {
         return knot_name(s.knots[i]) + " is off its segment";
       }
       const double along = dot(d, p);
-      if (!(along > last && along < length2)) return knot_name(s.knots[i]) + " is out of order on its segment";
+      if (!(along > last && along < length2))
+        return knot_name(s.knots[i]) + " is out of order on its segment";
       last = along;
     }
   }
@@ -205,10 +208,9 @@ Defect find_border_defect(const KnotMesh& mesh) {
     if (half_edges->opposite[e] != kNoHalfEdge) continue;
     const Vec2 a = mesh.knots[origin(mesh.faces, e)].position;
     const Vec2 b = mesh.knots[target(mesh.faces, e)].position;
-    const bool along = (a.y == 0 && b.y == 0 && b.x > a.x) ||
-                       (a.x == mesh.width && b.x == mesh.width && b.y > a.y) ||
-                       (a.y == mesh.height && b.y == mesh.height && b.x < a.x) ||
-                       (a.x == 0 && b.x == 0 && b.y < a.y);
+    const bool along =
+        (a.y == 0 && b.y == 0 && b.x > a.x) || (a.x == mesh.width && b.x == mesh.width && b.y > a.y) ||
+        (a.y == mesh.height && b.y == mesh.height && b.x < a.x) || (a.x == 0 && b.x == 0 && b.y < a.y);
     if (!along) return "a border edge does not follow a side of the domain";
   }
   return std::nullopt;

@@ -6,8 +6,8 @@
 
 namespace knotreel::raster {
 
-/// Mean of the samples of one pixel. Where there is alpha (the last of 2 or 4 channels), colours count by it, so that
-/// the invisible colour of transparent samples does not bleed.
+/// Mean of the samples of one pixel. Where there is alpha (the last of 2 or 4 channels), colours count by it,
+/// so that the invisible colour of transparent samples does not bleed.
 class ColourMean {
  public:
   explicit ColourMean(std::size_t channels) : channels_(channels), alpha_(channels == 2 || channels == 4) {}

@@ -64,8 +64,9 @@ Vec2 FeatureTrace::Curve::at(double t) const {
   return p[0];
 }
 
-std::vector<std::uint64_t> FeatureTrace::crossed_pixels(double pixel_width, double pixel_height, int row_begin,
-                                                        int row_end, int column_begin, int column_end) const {
+std::vector<std::uint64_t> FeatureTrace::crossed_pixels(double pixel_width, double pixel_height,
+                                                        int row_begin, int row_end, int column_begin,
+                                                        int column_end) const {
   constexpr double kStep = 0.5;  // longest chord, in grid pixels
   std::vector<std::uint64_t> keys;
   for (const Curve& curve : curves_) {

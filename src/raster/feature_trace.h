@@ -8,19 +8,20 @@
 
 namespace knotreel::raster {
 
-/// The feature curves in the image: between two neighbouring knots of a segment the trace of the surface's geometry
-/// is one polynomial curve of the degree of the surface, kept in Bezier form.
+/// The feature curves in the image: between two neighbouring knots of a segment the trace of the surface's
+/// geometry is one polynomial curve of the degree of the surface, kept in Bezier form.
 class FeatureTrace {
  public:
   FeatureTrace(const Surface& surface, const mesh::KnotMesh& mesh);
 
-  /// Pixels of a grid that the curves cross, as keys (row << 32 | column), sorted, each once. Curves are followed by
-  /// chords of half a pixel, so a pixel whose corner a curve only grazes may be missing.
+  /// Pixels of a grid that the curves cross, as keys (row << 32 | column), sorted, each once. Curves are
+  /// followed by chords of half a pixel, so a pixel whose corner a curve only grazes may be missing.
   /// @param pixel_width, pixel_height of a grid pixel, in pixels of the model.
-  std::vector<std::uint64_t> crossed_pixels(double pixel_width, double pixel_height, int row_begin, int row_end,
-                                            int column_begin, int column_end) const;
+  std::vector<std::uint64_t> crossed_pixels(double pixel_width, double pixel_height, int row_begin,
+                                            int row_end, int column_begin, int column_end) const;
 
-  /// Distance from x to the nearest point of a polyline with `steps` pieces per curve; for the reference renderer.
+  /// Distance from x to the nearest point of a polyline with `steps` pieces per curve; for the reference
+  /// renderer.
   double distance(Vec2 x, int steps) const;
 
  private:

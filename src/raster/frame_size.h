@@ -13,7 +13,7 @@ struct FrameSize {
   int crop_y;
   int crop_width;
   int crop_height;
-  double pixel_width;   ///< of an output pixel, in pixels of the model
+  double pixel_width;  ///< of an output pixel, in pixels of the model
   double pixel_height;
 };
 

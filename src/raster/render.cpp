@@ -18,8 +18,8 @@ namespace {
 
 constexpr int kSamples = 64;
 
-/// 64 points of the unit square, one in each 64th of both axes (Hammersley): coverage of an edge of any direction is
-/// right to about 1/32, of an upright one to 1/128.
+/// 64 points of the unit square, one in each 64th of both axes (Hammersley): coverage of an edge of any
+/// direction is right to about 1/32, of an upright one to 1/128.
 std::array<Vec2, kSamples> sample_pattern() {
   std::array<Vec2, kSamples> pattern;
   for (unsigned i = 0; i < kSamples; ++i) {
@@ -44,7 +44,9 @@ struct Renderer::State {
     fine_width = size.pixel_width / reduce_x;
     fine_height = size.pixel_height / reduce_y;
     // Tiles of about 2.7 pixels of the model: few pieces end inside, and not too few points share the set-up.
-    const auto side = [](double pixel) { return std::clamp(static_cast<int>(std::lround(2.7 / pixel)), 4, 16); };
+    const auto side = [](double pixel) {
+      return std::clamp(static_cast<int>(std::lround(2.7 / pixel)), 4, 16);
+    };
     tile_width = side(fine_width);
     tile_height = side(fine_height);
   }
@@ -63,7 +65,7 @@ struct Renderer::State {
   // The grid that is drawn is finer than the output where the picture is made smaller.
   int reduce_x;
   int reduce_y;
-  double fine_width;   ///< of a fine pixel, in pixels of the model
+  double fine_width;  ///< of a fine pixel, in pixels of the model
   double fine_height;
   int tile_width;
   int tile_height;
@@ -72,14 +74,18 @@ struct Renderer::State {
 void Renderer::State::draw_tile(Tile& tile, int tile_row, int tile_column,
                                 const std::vector<std::uint64_t>& crossed, int row_begin, int row_end,
                                 int column_begin, int column_end, float* out) const {
-  // The whole tile takes part in the set-up, whatever part of it is asked for: same bits for any crop or band.
+  // The whole tile takes part in the set-up, whatever part of it is asked for: same bits for any crop or
+  // band.
   const int x0 = tile_column * tile_width;
   const int y0 = tile_row * tile_height;
-  tile.set({x0 * fine_width, y0 * fine_height}, {(x0 + tile_width) * fine_width, (y0 + tile_height) * fine_height},
+  tile.set({x0 * fine_width, y0 * fine_height},
+           {(x0 + tile_width) * fine_width, (y0 + tile_height) * fine_height},
            tile_width * tile_height >= 64);
   const auto to = [&](int x, int y) {
-    return out + (static_cast<std::size_t>(y - row_begin) * static_cast<std::size_t>(column_end - column_begin) +
-                  static_cast<std::size_t>(x - column_begin)) * channels;
+    return out +
+           (static_cast<std::size_t>(y - row_begin) * static_cast<std::size_t>(column_end - column_begin) +
+            static_cast<std::size_t>(x - column_begin)) *
+               channels;
   };
   const int xb = std::max(x0, column_begin);
   const int xe = std::min(x0 + tile_width, column_end);
@@ -120,7 +126,8 @@ void Renderer::State::draw_tile(Tile& tile, int tile_row, int tile_column,
   }
 }
 
-void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, int column_end, float* out) const {
+void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, int column_end,
+                                float* out) const {
   std::vector<std::uint64_t> crossed;
   if (antialias) {
     crossed = trace.crossed_pixels(fine_width, fine_height, row_begin, row_end, column_begin, column_end);
@@ -132,12 +139,13 @@ void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, in
   // Blocks of neighbouring tiles share a Tile and its buffers.
   constexpr int kTilesPerTask = 16;
   const int tasks_per_row = (last_column - first_column) / kTilesPerTask + 1;
-  const auto tasks = static_cast<std::size_t>(last_row - first_row + 1) * static_cast<std::size_t>(tasks_per_row);
+  const auto tasks =
+      static_cast<std::size_t>(last_row - first_row + 1) * static_cast<std::size_t>(tasks_per_row);
   parallel_for(tasks, [&](std::size_t task) {
     Tile tile(surface);
     const int tile_row = first_row + static_cast<int>(task / static_cast<std::size_t>(tasks_per_row));
-    const int begin = first_column +
-                      static_cast<int>(task % static_cast<std::size_t>(tasks_per_row)) * kTilesPerTask;
+    const int begin =
+        first_column + static_cast<int>(task % static_cast<std::size_t>(tasks_per_row)) * kTilesPerTask;
     for (int c = begin; c <= std::min(begin + kTilesPerTask - 1, last_column); ++c) {
       draw_tile(tile, tile_row, c, crossed, row_begin, row_end, column_begin, column_end, out);
     }
@@ -166,9 +174,15 @@ Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;
 
-int Renderer::width() const { return state_->size.crop_width; }
-int Renderer::height() const { return state_->size.crop_height; }
-int Renderer::channels() const { return static_cast<int>(state_->channels); }
+int Renderer::width() const {
+  return state_->size.crop_width;
+}
+int Renderer::height() const {
+  return state_->size.crop_height;
+}
+int Renderer::channels() const {
+  return static_cast<int>(state_->channels);
+}
 
 void Renderer::rows(int begin, int end, std::span<float> out) const {
   const State& s = *state_;
@@ -203,7 +217,8 @@ void Renderer::rows(int begin, int end, std::span<float> out) const {
 
 std::vector<float> render(const document::FrameModel& model, const RenderOptions& options) {
   const Renderer renderer(model, options);
-  std::vector<float> out(static_cast<std::size_t>(renderer.width()) * static_cast<std::size_t>(renderer.height()) *
+  std::vector<float> out(static_cast<std::size_t>(renderer.width()) *
+                         static_cast<std::size_t>(renderer.height()) *
                          static_cast<std::size_t>(renderer.channels()));
   renderer.rows(0, renderer.height(), out);
   return out;

@@ -8,8 +8,8 @@
 #include "raster/feature_trace.h"
 #include "raster/frame_size.h"
 
-/// The renderer that is meant to be obviously right: nothing shared with the fast one but the feature curves, which
-/// only tell where to take many samples.
+/// The renderer that is meant to be obviously right: nothing shared with the fast one but the feature curves,
+/// which only tell where to take many samples.
 namespace knotreel::raster {
 
 namespace {
@@ -53,9 +53,9 @@ class ReferenceSurface {
         const auto& j = s.jacobian;
         const double det = j[0][0] * j[1][1] - j[0][1] * j[1][0];
         const Vec2 r = x - s.image;
-        const Vec2 move = det > 0.05 ? Vec2{(j[1][1] * r.x - j[0][1] * r.y) / det,
-                                            (j[0][0] * r.y - j[1][0] * r.x) / det}
-                                     : r;
+        const Vec2 move =
+            det > 0.05 ? Vec2{(j[1][1] * r.x - j[0][1] * r.y) / det, (j[0][0] * r.y - j[1][0] * r.x) / det}
+                       : r;
         double t = 1;
         for (; t > 1e-4; t *= 0.5) {
           const Vec2 next = clamped(u + t * move);
@@ -78,7 +78,8 @@ class ReferenceSurface {
 
  private:
   Vec2 clamped(Vec2 u) const {
-    return {std::clamp(u.x, 0.0, model_.space->mesh().width), std::clamp(u.y, 0.0, model_.space->mesh().height)};
+    return {std::clamp(u.x, 0.0, model_.space->mesh().width),
+            std::clamp(u.y, 0.0, model_.space->mesh().height)};
   }
 
   const document::FrameModel& model_;
@@ -99,7 +100,8 @@ std::vector<float> render_reference(const document::FrameModel& model, const Ren
   for (int y = size.crop_y; y < size.crop_y + size.crop_height; ++y) {
     for (int x = size.crop_x; x < size.crop_x + size.crop_width; ++x) {
       const bool crossed =
-          options.antialias && !trace.crossed_pixels(size.pixel_width, size.pixel_height, y, y + 1, x, x + 1).empty();
+          options.antialias &&
+          !trace.crossed_pixels(size.pixel_width, size.pixel_height, y, y + 1, x, x + 1).empty();
       const int nx = crossed ? kFine : reduce_x;
       const int ny = crossed ? kFine : reduce_y;
       ColourMean mean(channels);

@@ -63,7 +63,9 @@ Surface::Surface(const document::FrameModel& model)
         first = false;
       }
       if (first) continue;
-      const auto column = [&](double x) { return std::min(static_cast<std::size_t>(x / cell_), columns_ - 1); };
+      const auto column = [&](double x) {
+        return std::min(static_cast<std::size_t>(x / cell_), columns_ - 1);
+      };
       const auto row = [&](double y) { return std::min(static_cast<std::size_t>(y / cell_), rows_ - 1); };
       for (std::size_t r = row(set.terms[t].low.y); r <= row(set.terms[t].high.y); ++r) {
         for (std::size_t c = column(set.terms[t].low.x); c <= column(set.terms[t].high.x); ++c) {

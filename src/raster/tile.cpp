@@ -11,11 +11,12 @@ namespace knotreel::raster {
 namespace {
 
 constexpr Vec2 kDirection = {0.8191520442889918, 0.5735764363510462};
-// Parameters stay this far, in pixels, off the right and lower side, so that kDirection points inside everywhere.
+// Parameters stay this far, in pixels, off the right and lower side, so that kDirection points inside
+// everywhere.
 constexpr double kInset = 1e-7;
 constexpr int kMaxSteps = 10;
-// Newton's method is stopped after a step this small, in pixels. Where the map is C1 the error left is about the
-// square of the step; next to its kink at a feature it may be a fraction of it.
+// Newton's method is stopped after a step this small, in pixels. Where the map is C1 the error left is about
+// the square of the step; next to its kink at a feature it may be a fraction of it.
 constexpr double kSmallStep = 2e-3;
 constexpr double kSmallStepAtFeature = 2e-4;
 
@@ -39,7 +40,8 @@ KNOTREEL_MULTIVERSION
 void tent_values(const SurfaceTerm& term, const double* __restrict ux, const double* __restrict uy, int n,
                  double* __restrict v) {
   const spline::Tent& tent = term.tent;
-  for (int i = 0; i < n; ++i) v[i] = tent.slope_count == 0 ? tent.constant : std::numeric_limits<double>::max();
+  for (int i = 0; i < n; ++i)
+    v[i] = tent.slope_count == 0 ? tent.constant : std::numeric_limits<double>::max();
   for (int s = 0; s < tent.slope_count; ++s) {
     const spline::Affine a = tent.slopes[static_cast<std::size_t>(s)];
     for (int i = 0; i < n; ++i) {
@@ -58,7 +60,8 @@ KNOTREEL_MULTIVERSION
 void tent_gradients(const SurfaceTerm& term, const double* __restrict ux, const double* __restrict uy, int n,
                     double* __restrict v, double* __restrict gx, double* __restrict gy) {
   const spline::Tent& tent = term.tent;
-  for (int i = 0; i < n; ++i) v[i] = tent.slope_count == 0 ? tent.constant : std::numeric_limits<double>::max();
+  for (int i = 0; i < n; ++i)
+    v[i] = tent.slope_count == 0 ? tent.constant : std::numeric_limits<double>::max();
   for (int i = 0; i < n; ++i) gx[i] = 0;
   for (int i = 0; i < n; ++i) gy[i] = 0;
   for (int s = 0; s < tent.slope_count; ++s) {
@@ -92,7 +95,8 @@ struct Geometry {
 
 KNOTREEL_MULTIVERSION
 void add_geometry(const SurfaceTerm& term, const double* __restrict ux, const double* __restrict uy, int n,
-                  const double* __restrict v, const double* __restrict gx, const double* __restrict gy, Geometry& g) {
+                  const double* __restrict v, const double* __restrict gx, const double* __restrict gy,
+                  Geometry& g) {
   for (std::size_t c = 0; c < 2; ++c) {
     const Plane p = term.planes[c];
     const Vec2 o = term.origin;
@@ -120,8 +124,8 @@ void add_colours(const SurfaceTerm& term, std::size_t channels, const double* __
 }
 
 KNOTREEL_MULTIVERSION
-void smooth_values(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy, int n,
-                   double* __restrict value) {
+void smooth_values(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy,
+                   int n, double* __restrict value) {
   for (int i = 0; i < n; ++i) {
     const double dx = ux[i] - o.x;
     const double dy = uy[i] - o.y;
@@ -130,8 +134,8 @@ void smooth_values(const Quadratic& q, Vec2 o, const double* __restrict ux, cons
 }
 
 KNOTREEL_MULTIVERSION
-void smooth_gradients(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy, int n,
-                      double* __restrict value, double* __restrict gx, double* __restrict gy) {
+void smooth_gradients(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy,
+                      int n, double* __restrict value, double* __restrict gx, double* __restrict gy) {
   for (int i = 0; i < n; ++i) {
     const double dx = ux[i] - o.x;
     const double dy = uy[i] - o.y;
@@ -252,7 +256,9 @@ void Tile::assemble(const Box& box) {
 void Tile::set(Vec2 low, Vec2 high, bool dense) {
   const Surface::Bounds bounds = surface_.displacement_bounds(low, high);
   const Vec2 limit{surface_.width() - kInset, surface_.height() - kInset};
-  const auto clamped = [&](Vec2 u) { return Vec2{std::clamp(u.x, 0.0, limit.x), std::clamp(u.y, 0.0, limit.y)}; };
+  const auto clamped = [&](Vec2 u) {
+    return Vec2{std::clamp(u.x, 0.0, limit.x), std::clamp(u.y, 0.0, limit.y)};
+  };
   reach_ = {clamped(low - bounds.high), clamped(high - bounds.low)};
   shift_ = -0.5 * (bounds.low + bounds.high);
   identity_ = bounds.zero();
@@ -327,19 +333,23 @@ bool Tile::invert(const double* x, const double* y, int n) {
   }
   // Points held back at an edge of the box that is no edge of what they may reach.
   for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
-    if ((ux_[i] <= box_.low.x && box_.low.x > reach_.low.x) || (ux_[i] >= box_.high.x && box_.high.x < reach_.high.x) ||
-        (uy_[i] <= box_.low.y && box_.low.y > reach_.low.y) || (uy_[i] >= box_.high.y && box_.high.y < reach_.high.y)) {
+    if ((ux_[i] <= box_.low.x && box_.low.x > reach_.low.x) ||
+        (ux_[i] >= box_.high.x && box_.high.x < reach_.high.x) ||
+        (uy_[i] <= box_.low.y && box_.low.y > reach_.low.y) ||
+        (uy_[i] >= box_.high.y && box_.high.y < reach_.high.y)) {
       return false;
     }
   }
   if (longest < small) return true;
-  // Rare: points that jump to and fro across the kink that the map has at a feature. Each on its own, with care.
+  // Rare: points that jump to and fro across the kink that the map has at a feature. Each on its own, with
+  // care.
   for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
     if (v[i] < small) continue;
     const Vec2 u = solve_point(surface_, {x[i], y[i]});
     ux_[i] = std::clamp(u.x, reach_.low.x, reach_.high.x);
     uy_[i] = std::clamp(u.y, reach_.low.y, reach_.high.y);
-    if (ux_[i] < box_.low.x || ux_[i] > box_.high.x || uy_[i] < box_.low.y || uy_[i] > box_.high.y) return false;
+    if (ux_[i] < box_.low.x || ux_[i] > box_.high.x || uy_[i] < box_.low.y || uy_[i] > box_.high.y)
+      return false;
   }
   return true;
 }
@@ -361,10 +371,12 @@ void Tile::colours(const double* x, const double* y, int n, double* out) {
 
 Vec2 solve_point(const Surface& surface, Vec2 x) {
   const Vec2 limit{surface.width() - kInset, surface.height() - kInset};
-  const auto clamped = [&](Vec2 u) { return Vec2{std::clamp(u.x, 0.0, limit.x), std::clamp(u.y, 0.0, limit.y)}; };
+  const auto clamped = [&](Vec2 u) {
+    return Vec2{std::clamp(u.x, 0.0, limit.x), std::clamp(u.y, 0.0, limit.y)};
+  };
   const Surface::Bounds b = surface.displacement_bounds(x, x);
-  const Vec2 starts[] = {x, x - 0.5 * (b.low + b.high), x - b.low, x - b.high,
-                         {x.x - b.low.x, x.y - b.high.y}, {x.x - b.high.x, x.y - b.low.y}};
+  const Vec2 starts[] = {x,          x - 0.5 * (b.low + b.high),      x - b.low,
+                         x - b.high, {x.x - b.low.x, x.y - b.high.y}, {x.x - b.high.x, x.y - b.low.y}};
   Vec2 best = clamped(x);
   double best_residual = std::numeric_limits<double>::infinity();
   for (const Vec2 start : starts) {

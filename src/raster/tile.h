@@ -15,17 +15,17 @@ struct Quadratic {
   double c, x, y, xx, xy, yy;
 };
 
-/// The part of a surface that matters for a small box of the image. What is one polynomial over the whole box is
-/// added up beforehand (degree 1 and 2), so that few terms are left for each point; all points of a batch take the
-/// same path, which is what vector instructions want.
-/// One object per thread; set() and then colours() any number of times.
+/// The part of a surface that matters for a small box of the image. What is one polynomial over the whole box
+/// is added up beforehand (degree 1 and 2), so that few terms are left for each point; all points of a batch
+/// take the same path, which is what vector instructions want. One object per thread; set() and then
+/// colours() any number of times.
 class Tile {
  public:
   explicit Tile(const Surface& surface) : surface_(surface) {}
 
   /// Prepares for image points in [low, high].
-  /// @param dense many points will follow: it pays to solve for nine of them first, which gives the others a start
-  /// so close that one Newton step is enough, and a smaller parametric box.
+  /// @param dense many points will follow: it pays to solve for nine of them first, which gives the others a
+  /// start so close that one Newton step is enough, and a smaller parametric box.
   void set(Vec2 low, Vec2 high, bool dense);
 
   /// Colours at n <= kBatch image points in the box: out[c * kBatch + i].
@@ -53,17 +53,17 @@ class Tile {
   bool has_nodes_ = false;
   Vec2 node_low_;
   Vec2 node_size_;
-  std::array<double, 9> node_u_[2];  ///< parameters of the 3 x 3 nodes
+  std::array<double, 9> node_u_[2];               ///< parameters of the 3 x 3 nodes
   std::array<Quadratic, kMaxChannels> smooth_{};  ///< around centre_
-  std::vector<const SurfaceTerm*> all_;    ///< terms that touch reach_
-  std::vector<const SurfaceTerm*> terms_;  ///< those that are not folded into smooth_
+  std::vector<const SurfaceTerm*> all_;           ///< terms that touch reach_
+  std::vector<const SurfaceTerm*> terms_;         ///< those that are not folded into smooth_
   std::vector<spline::TermIndex::Entry> entries_;
   alignas(64) std::array<double, kBatch> ux_{};
   alignas(64) std::array<double, kBatch> uy_{};
 };
 
-/// Solves S_geo(u) = x for one point, from several starts with damped Newton steps; where the surface does not reach
-/// x (just outside its border), the nearest u found.
+/// Solves S_geo(u) = x for one point, from several starts with damped Newton steps; where the surface does
+/// not reach x (just outside its border), the nearest u found.
 Vec2 solve_point(const Surface& surface, Vec2 x);
 
 }  // namespace knotreel::raster

@@ -10,7 +10,9 @@ namespace knotreel::spline {
 
 namespace {
 
-Jet affine_jet(const Affine& a, Vec2 u) { return {a(u), a.nx, a.ny, 0, 0, 0}; }
+Jet affine_jet(const Affine& a, Vec2 u) {
+  return {a(u), a.nx, a.ny, 0, 0, 0};
+}
 
 Jet multiply(const Jet& a, const Jet& b) {
   return {a.value * b.value,
@@ -30,10 +32,16 @@ void add(Jet& sum, const Jet& a) {
   sum.dyy += a.dyy;
 }
 
-void add(double& sum, double a) { sum += a; }
+void add(double& sum, double a) {
+  sum += a;
+}
 
-double& payload(BasisValue& v) { return v.value; }
-Jet& payload(BasisJet& v) { return v.jet; }
+double& payload(BasisValue& v) {
+  return v.value;
+}
+Jet& payload(BasisJet& v) {
+  return v.jet;
+}
 
 /// Sums entries of equal function from `begin` on, keeping the order of addition.
 template <class Entry>

@@ -46,8 +46,8 @@ void for_each_vertex(std::span<const FamilyConfig> family, int level,
   }
 }
 
-std::vector<std::array<CornerIndex, 3>> link_triangles(const SplineSpace& space, LinkVertex& vertex, int level,
-                                                       const Triangulator& triangulator,
+std::vector<std::array<CornerIndex, 3>> link_triangles(const SplineSpace& space, LinkVertex& vertex,
+                                                       int level, const Triangulator& triangulator,
                                                        std::vector<std::uint32_t>& place) {
   const mesh::CutMesh& cut = space.cut();
   const std::span<const CornerIndex> knots(vertex.knots.data(), static_cast<std::size_t>(level) + 1);

@@ -23,13 +23,19 @@ struct Linear {
   double offset;
 };
 
-Linear along_row(const Affine& a, double y) { return {a.nx, a.px, a.ny * (y - a.py)}; }
+Linear along_row(const Affine& a, double y) {
+  return {a.nx, a.px, a.ny * (y - a.py)};
+}
 
 class Grid {
  public:
   Grid(const SplineSpace& space, int columns, int rows)
-      : columns_(columns), rows_(rows), dx_(space.mesh().width / columns), dy_(space.mesh().height / rows),
-        width_(space.mesh().width), height_(space.mesh().height) {}
+      : columns_(columns),
+        rows_(rows),
+        dx_(space.mesh().width / columns),
+        dy_(space.mesh().height / rows),
+        width_(space.mesh().width),
+        height_(space.mesh().height) {}
 
   double x(std::int32_t column) const { return (column + 0.5) * dx_; }
   double y(std::int32_t row) const { return (row + 0.5) * dy_; }
@@ -38,8 +44,8 @@ class Grid {
     return {first(term.low.y / dy_ - 0.5, rows_), last(term.high.y / dy_ - 0.5, rows_)};
   }
 
-  /// Columns of the support of a term in one row: exact at walls, a little generous at slopes, where the tent is
-  /// clamped at zero anyway.
+  /// Columns of the support of a term in one row: exact at walls, a little generous at slopes, where the tent
+  /// is clamped at zero anyway.
   Reach columns_of(const PieceTerm& term, std::int32_t row) const {
     double low = term.low.x;
     double high = term.high.x;
@@ -152,7 +158,8 @@ Reaches find_reaches(const PieceSet& set, const Grid& grid) {
 }
 
 /// Lays out the rows of all functions: the hull, per row, of what their terms reach.
-GridValues lay_out(const SplineSpace& space, const PieceSet& set, const Reaches& reaches, std::int32_t columns) {
+GridValues lay_out(const SplineSpace& space, const PieceSet& set, const Reaches& reaches,
+                   std::int32_t columns) {
   const std::size_t n = space.function_count();
   std::vector<std::int32_t> low(n, std::numeric_limits<std::int32_t>::max());
   std::vector<std::int32_t> high(n, 0);
@@ -218,7 +225,8 @@ GridValues Basis::evaluate_grid(int columns, int rows) const {
           const FunctionIndex f = piece.functions[v];
           if (f == kNoFunction) continue;
           const std::size_t first = result.row_begin[f];
-          const GridValues::Row& row = result.rows[first + static_cast<std::size_t>(y - result.rows[first].y)];
+          const GridValues::Row& row =
+              result.rows[first + static_cast<std::size_t>(y - result.rows[first].y)];
           task.out[v] = result.values.data() + row.offset + (reach.begin - row.x_begin);
         }
         add_row(task, x.data() + reach.begin, reach.end - reach.begin, scratch.data());

@@ -13,8 +13,8 @@ namespace {
 
 using Span = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Sine-like measure of the smallest angle of a triangle: twice the area over the largest product of two sides;
-/// not positive for flat and turned triangles.
+/// Sine-like measure of the smallest angle of a triangle: twice the area over the largest product of two
+/// sides; not positive for flat and turned triangles.
 double smallest_angle(Vec2 a, Vec2 b, Vec2 c) {
   const double ab = norm(b - a);
   const double bc = norm(c - b);

@@ -21,7 +21,8 @@ void open_ends(const std::vector<DirectedEdge>& edges, std::vector<CornerIndex>&
   std::sort(ends.begin(), ends.end());
   std::vector<CornerIndex> only_starts;
   std::vector<CornerIndex> only_ends;
-  std::set_difference(starts.begin(), starts.end(), ends.begin(), ends.end(), std::back_inserter(only_starts));
+  std::set_difference(starts.begin(), starts.end(), ends.begin(), ends.end(),
+                      std::back_inserter(only_starts));
   std::set_difference(ends.begin(), ends.end(), starts.begin(), starts.end(), std::back_inserter(only_ends));
   starts = std::move(only_starts);
   ends = std::move(only_ends);

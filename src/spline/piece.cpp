@@ -68,8 +68,8 @@ class TentMaker {
     return std::abs(cross(ab, ac)) <= 2 * kFlat * diameter2;
   }
 
-  /// The linear function that vanishes on the line a-b, with the slope of a simplex spline whose other knots are
-  /// r and s: area(u,a,b) / (area(a,b,r) area(a,b,s)).
+  /// The linear function that vanishes on the line a-b, with the slope of a simplex spline whose other knots
+  /// are r and s: area(u,a,b) / (area(a,b,r) area(a,b,s)).
   static void add_slope(Tent& tent, Vec2 a, Vec2 b, Vec2 r, Vec2 s) {
     const double ar = signed_area(a, b, r);
     const double scale = 0.5 / (ar * signed_area(a, b, s)) * (ar > 0 ? 1 : -1);
@@ -77,8 +77,9 @@ class TentMaker {
     tent.slopes[static_cast<std::size_t>(tent.slope_count++)] = {-e.y * scale, e.x * scale, a.x, a.y};
   }
 
-  /// A wall along a-b with r inside. Its coefficients depend on the line only, up to an exact change of sign, so
-  /// that the supports on its two sides share no point and leave none out. The sides of the domain need none.
+  /// A wall along a-b with r inside. Its coefficients depend on the line only, up to an exact change of sign,
+  /// so that the supports on its two sides share no point and leave none out. The sides of the domain need
+  /// none.
   void add_wall(Tent& tent, CornerIndex a, CornerIndex b, Vec2 r) const {
     const std::uint32_t line = common_line(a, b);
     if (line != mesh::kNoLine && line >= sides_) return;

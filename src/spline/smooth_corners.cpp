@@ -35,7 +35,8 @@ std::vector<CornerIndex> multiple_corners(const SplineSpace& space, FunctionInde
 }
 
 /// Polar forms, at I without one copy of `corner`, of the monomials of degree <= k-1 around the corner.
-Eigen::RowVectorXd polar_monomials(const SplineSpace& space, FunctionIndex f, CornerIndex corner, double scale) {
+Eigen::RowVectorXd polar_monomials(const SplineSpace& space, FunctionIndex f, CornerIndex corner,
+                                   double scale) {
   std::vector<Vec2> rest;
   bool left_out = false;
   for (int i = 0; i < space.degree(); ++i) {

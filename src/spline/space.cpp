@@ -112,7 +112,8 @@ SplineSpace::SplineSpace(mesh::KnotMesh mesh, int degree, const LinkPolicy& poli
   });
 }
 
-SplineSpace SplineSpace::from_link_codes(mesh::KnotMesh mesh, int degree, std::span<const std::uint16_t> codes) {
+SplineSpace SplineSpace::from_link_codes(mesh::KnotMesh mesh, int degree,
+                                         std::span<const std::uint16_t> codes) {
   require_sound(mesh::find_topological_defect(mesh), ErrorKind::kInput);
   SplineSpace space;
   SpaceBuilder builder(space, std::move(mesh), degree);

@@ -28,8 +28,8 @@ inline double tent_value(const Tent& tent, Vec2 u, Vec2 direction) {
   return inside_walls(tent, u, direction) ? value : 0;
 }
 
-/// Value and gradient, as limits from the side of `direction`: on a crease, and on the edge of the support, the
-/// linear function that rules on that side counts.
+/// Value and gradient, as limits from the side of `direction`: on a crease, and on the edge of the support,
+/// the linear function that rules on that side counts.
 inline Jet tent_jet(const Tent& tent, Vec2 u, Vec2 direction) {
   if (tent.slope_count == 0) {
     return inside_walls(tent, u, direction) ? Jet{tent.constant, 0, 0, 0, 0, 0} : Jet{};

@@ -32,8 +32,12 @@ image::Image rendered(const document::FrameModel& model) {
   return image;
 }
 
-double smooth(double x, double y, int c) { return 120 + 90 * std::sin(4 * x + c) * std::cos(3 * y) + 20 * x * y; }
-double quadratic(double x, double y, int c) { return 30 + 100 * x * x - 40 * x * y + 60 * y * y + 10 * c; }
+double smooth(double x, double y, int c) {
+  return 120 + 90 * std::sin(4 * x + c) * std::cos(3 * y) + 20 * x * y;
+}
+double quadratic(double x, double y, int c) {
+  return 30 + 100 * x * x - 40 * x * y + 60 * y * y + 10 * c;
+}
 
 class UniformFit : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Degree, UniformFit, ::testing::Values(1, 2, 3));

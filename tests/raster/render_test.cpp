@@ -25,7 +25,8 @@ std::vector<MeshCase> small_cases() {
   std::vector<MeshCase> cases = knotreel::testing::corpus_cases();
   std::erase_if(cases, [](const MeshCase& c) {
     // The map of a displaced mesh with knots a hundredth of a pixel apart is not one to one.
-    return c.name.ends_with("-mirrored") || c.name.ends_with("-turned") || c.name == "knots-squeezed-on-feature";
+    return c.name.ends_with("-mirrored") || c.name.ends_with("-turned") ||
+           c.name == "knots-squeezed-on-feature";
   });
   return cases;
 }
@@ -75,8 +76,8 @@ TEST(Render, PixelsOffTheFeaturesEqualTheReferenceAndCoverageIsRight) {
   }
 }
 
-/// If the colour of each control point is its own position, the picture shows the positions of its pixels, whatever
-/// the displacement: an exact test of the inversion, everywhere, features included.
+/// If the colour of each control point is its own position, the picture shows the positions of its pixels,
+/// whatever the displacement: an exact test of the inversion, everywhere, features included.
 TEST(Render, ColourEqualToPositionComesOutAsPosition) {
   std::vector<MeshCase> cases = small_cases();
   for (MeshCase& c : knotreel::testing::random_cases(kSeed, 10)) cases.push_back(std::move(c));
@@ -131,8 +132,8 @@ FrameModel two_coloured_model(int degree, std::uint64_t seed) {
   b.segment(v3, v0, 1);
   FrameModel model = knotreel::testing::blank_model(b.triangulated(), degree, 1);
   knotreel::testing::displace_randomly(model, 2.5, seed);
-  // Inside: functions all of whose knots are inside corners, which only the free knot 30,24 and the loop's inner
-  // corners are; flood over the cut mesh from that knot.
+  // Inside: functions all of whose knots are inside corners, which only the free knot 30,24 and the loop's
+  // inner corners are; flood over the cut mesh from that knot.
   const auto& cut = model.space->cut();
   std::vector<bool> inside(cut.corners.size(), false);
   for (std::size_t c = 0; c < inside.size(); ++c) {
@@ -170,7 +171,8 @@ TEST(Render, NoCrackOrFringeAtAnyScale) {
           const bool pure = std::abs(v - 50) < 0.01 || std::abs(v - 200) < 0.01;
           ASSERT_TRUE(v > 49.99 && v < 200.01) << "fringe at " << x << ' ' << y << " scale " << scale;
           if (!pure) {
-            ASSERT_LT(feature_distance(trace, scale, x, y), 0.75) << "crack at " << x << ' ' << y << ", " << v;
+            ASSERT_LT(feature_distance(trace, scale, x, y), 0.75)
+                << "crack at " << x << ' ' << y << ", " << v;
           }
         }
       }
@@ -191,7 +193,7 @@ TEST(Render, CoverageIsExactToASixteenth) {
       double worst = 0;
       const Renderer renderer(model, large);
       std::vector<float> band(static_cast<std::size_t>(large.width) * static_cast<std::size_t>(k));
-      for (int y = 0; y < options.height; y += scale > 4 ? 37 : 3) {
+      for (int y = 0; y<options.height; y += scale> 4 ? 37 : 3) {
         renderer.rows(y * k, (y + 1) * k, band);
         for (int x = 0; x < options.width; ++x) {
           double sum = 0;
@@ -250,7 +252,8 @@ TEST(Render, SameBitsForAnyThreadCountBandAndCrop) {
     crop.crop_height = 13;
     const std::vector<float> part = render(model, crop);
     for (int y = 0; y < 13; ++y) {
-      const auto* from = whole.data() + (static_cast<std::size_t>(y + 5) * static_cast<std::size_t>(options.width) + 7) * 4;
+      const auto* from =
+          whole.data() + (static_cast<std::size_t>(y + 5) * static_cast<std::size_t>(options.width) + 7) * 4;
       EXPECT_TRUE(std::equal(from, from + 44, part.data() + static_cast<std::size_t>(y) * 44)) << scale;
     }
   }
@@ -262,8 +265,11 @@ TEST(Render, SmallerPicturesAreMeansOfLargerOnes) {
   const std::vector<float> half = render(model, at_scale(model, 0.5));
   for (int y = 0; y < 25; ++y) {
     for (int x = 0; x < 30; ++x) {
-      const auto at = [&](int i, int j) { return full[static_cast<std::size_t>(j) * 60 + static_cast<std::size_t>(i)]; };
-      const float mean = (at(2 * x, 2 * y) + at(2 * x + 1, 2 * y) + at(2 * x, 2 * y + 1) + at(2 * x + 1, 2 * y + 1)) / 4;
+      const auto at = [&](int i, int j) {
+        return full[static_cast<std::size_t>(j) * 60 + static_cast<std::size_t>(i)];
+      };
+      const float mean =
+          (at(2 * x, 2 * y) + at(2 * x + 1, 2 * y) + at(2 * x, 2 * y + 1) + at(2 * x + 1, 2 * y + 1)) / 4;
       EXPECT_NEAR(half[static_cast<std::size_t>(y) * 30 + static_cast<std::size_t>(x)], mean, 1e-3);
     }
   }

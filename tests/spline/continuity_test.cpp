@@ -48,7 +48,8 @@ std::vector<CreasePoint> crease_points(const SplineSpace& space, std::mt19937_64
         const Vec2 a = space.position(all[i]);
         const Vec2 e = space.position(all[j]) - a;
         if (norm(e) == 0) continue;
-        points.push_back({a + unit(random) * e, {-e.y / norm(e), e.x / norm(e)},
+        points.push_back({a + unit(random) * e,
+                          {-e.y / norm(e), e.x / norm(e)},
                           space.cut().corners[all[i]].multiple || space.cut().corners[all[j]].multiple});
       }
     }
@@ -101,8 +102,8 @@ Jumps measure(const Basis& basis, const std::vector<double>& c, const std::vecto
     }
     worst.value = std::max(worst.value, std::abs(difference.value) / scale0);
     worst.gradient = std::max(worst.gradient, std::hypot(difference.dx, difference.dy) / scale1);
-    worst.hessian = std::max(
-        worst.hessian, std::hypot(difference.dxx, difference.dxy, difference.dyy) / scale2);
+    worst.hessian =
+        std::max(worst.hessian, std::hypot(difference.dxx, difference.dxy, difference.dyy) / scale2);
   }
   return worst;
 }
@@ -218,7 +219,8 @@ TEST_P(Continuity, OnlyFunctionsOfOpenTipsReachAcrossAFeature) {
       for (const BasisValue& v : values) {
         if (v.value > 1e-9 && left[v.function] > 1e-9) {
           EXPECT_TRUE(is_tip_function(v.function)) << c.to_text();
-          EXPECT_NEAR(v.value, left[v.function], 1e-9) << "a tip's own function is not split\n" << c.to_text();
+          EXPECT_NEAR(v.value, left[v.function], 1e-9) << "a tip's own function is not split\n"
+                                                       << c.to_text();
         }
       }
     }

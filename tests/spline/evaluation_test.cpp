@@ -40,7 +40,9 @@ TEST_P(Evaluation, GridEqualsPoints) {
                               space->function_count());
     const auto at = [&](int x, int y, FunctionIndex f) -> double& {
       return dense[(static_cast<std::size_t>(y) * static_cast<std::size_t>(columns) +
-                    static_cast<std::size_t>(x)) * space->function_count() + f];
+                    static_cast<std::size_t>(x)) *
+                       space->function_count() +
+                   f];
     };
     for (FunctionIndex f = 0; f < space->function_count(); ++f) {
       for (const GridValues::Row& r : grid.rows_of(f)) {
@@ -113,7 +115,8 @@ TEST_P(Evaluation, DerivativesEqualTheRecurrenceAndDifferences) {
         // Differences: polynomial nearly everywhere, so a small step sees no knot line but by bad luck.
         const double e = 1e-6;
         const double dx = (reference.evaluate(b.function, {u.x + e, u.y}, d).value -
-                           reference.evaluate(b.function, {u.x - e, u.y}, d).value) / (2 * e);
+                           reference.evaluate(b.function, {u.x - e, u.y}, d).value) /
+                          (2 * e);
         EXPECT_NEAR(b.jet.dx, dx, 1e-3 * (1 + std::abs(r.dx)) + e * std::abs(r.dxx));
       }
     }
@@ -134,7 +137,9 @@ double polar(int which, const std::vector<Vec2>& k) {
   return sum / pairs;
 }
 
-double monomial(int which, Vec2 u) { return which == 0 ? u.x * u.x : which == 1 ? u.x * u.y : u.y * u.y; }
+double monomial(int which, Vec2 u) {
+  return which == 0 ? u.x * u.x : which == 1 ? u.x * u.y : u.y * u.y;
+}
 
 TEST_P(Evaluation, QuadraticsAreReproducedByTheirPolarForms) {
   if (GetParam() < 2) return;
@@ -151,7 +156,8 @@ TEST_P(Evaluation, QuadraticsAreReproducedByTheirPolarForms) {
         for (const BasisValue& v : values) {
           std::vector<Vec2> knots;
           for (int i = 0; i < GetParam(); ++i) {
-            knots.push_back(space->position(space->functions()[v.function].knots[static_cast<std::size_t>(i)]));
+            knots.push_back(
+                space->position(space->functions()[v.function].knots[static_cast<std::size_t>(i)]));
           }
           sum += v.value * polar(which, knots);
         }

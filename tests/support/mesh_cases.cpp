@@ -177,7 +177,8 @@ class RandomMesh {
         break;
       }
       default:  // from border to border
-        b.segment(b.vertex(0, uniform(1, height_ - 1)), b.vertex(width_, uniform(1, height_ - 1)), count(0, 3));
+        b.segment(b.vertex(0, uniform(1, height_ - 1)), b.vertex(width_, uniform(1, height_ - 1)),
+                  count(0, 3));
     }
   }
 
@@ -267,7 +268,9 @@ bool has_accidental_lines(const KnotMesh& mesh) {
   }
   const auto share_a_line = [&](KnotIndex a, KnotIndex b, KnotIndex c) {
     return std::any_of(lines[a].begin(), lines[a].end(), [&](std::size_t l) {
-      const auto on = [l](const std::vector<std::size_t>& v) { return std::find(v.begin(), v.end(), l) != v.end(); };
+      const auto on = [l](const std::vector<std::size_t>& v) {
+        return std::find(v.begin(), v.end(), l) != v.end();
+      };
       return on(lines[b]) && on(lines[c]);
     });
   };

@@ -36,19 +36,19 @@ class MeshBuilder {
   mesh::KnotMesh mesh_;
 };
 
-/// The cases of the corpus file: bends, tips, junctions, loops, features that end on the border or in a domain
-/// corner, close pairs, collinear free knots; and each of them mirrored and turned by a quarter.
+/// The cases of the corpus file: bends, tips, junctions, loops, features that end on the border or in a
+/// domain corner, close pairs, collinear free knots; and each of them mirrored and turned by a quarter.
 std::vector<MeshCase> corpus_cases();
 
 /// Random meshes of 5 to 60 free knots with up to 8 feature segments of all kinds. Deterministic.
 std::vector<MeshCase> random_cases(std::uint64_t seed, int count);
 
-/// Whether three knots lie on a straight line (to 1e-9 of its length) that is no feature segment and no side of the
-/// domain: the surface is then less smooth along that line, as for any spline with collinear knots.
+/// Whether three knots lie on a straight line (to 1e-9 of its length) that is no feature segment and no side
+/// of the domain: the surface is then less smooth along that line, as for any spline with collinear knots.
 bool has_accidental_lines(const mesh::KnotMesh& mesh);
 
-/// Points of the closed domain that are hard for half-open conventions: knots, edge mid-points and edge points,
-/// points on feature lines and on the border, and random ones.
+/// Points of the closed domain that are hard for half-open conventions: knots, edge mid-points and edge
+/// points, points on feature lines and on the border, and random ones.
 std::vector<Vec2> probe_points(const mesh::KnotMesh& mesh, std::uint64_t seed, int random_count);
 
 }  // namespace knotreel::testing

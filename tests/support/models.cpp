@@ -25,7 +25,8 @@ double smallest_jacobian(const document::FrameModel& model) {
   double smallest = 1;
   constexpr int kSteps = 80;
   for (int i = 0; i < kSteps * kSteps; ++i) {
-    const Vec2 u{(i % kSteps + 0.37) / kSteps * mesh.width, (static_cast<double>(i / kSteps) + 0.61) / kSteps * mesh.height};
+    const Vec2 u{(i % kSteps + 0.37) / kSteps * mesh.width,
+                 (static_cast<double>(i / kSteps) + 0.61) / kSteps * mesh.height};
     basis.evaluate(u, spline::inward_direction(u, mesh.width, mesh.height), jets);
     double j[2][2] = {{1, 0}, {0, 1}};
     for (const spline::BasisJet& b : jets) {

@@ -16,12 +16,13 @@ struct UniformFitOptions {
   ColourFitOptions colour{};
 };
 
-/// A model of a picture on evenly spread knots without features, with the geometry of the identity and colours fitted
-/// by least squares.
+/// A model of a picture on evenly spread knots without features, with the geometry of the identity and
+/// colours fitted by least squares.
 /// @throws Error{kInvalidArgument} for an empty picture or a degree out of range.
 document::FrameModel fit_uniform(const image::Image& image, const UniformFitOptions& options = {});
 
-/// The knots of fit_uniform: a hexagonal lattice, jittered by a tenth of its spacing, with knots along the sides.
+/// The knots of fit_uniform: a hexagonal lattice, jittered by a tenth of its spacing, with knots along the
+/// sides.
 mesh::KnotMesh uniform_mesh(double width, double height, double spacing, std::uint64_t seed);
 
 }  // namespace knotreel::fit

@@ -12,7 +12,8 @@ namespace knotreel::mesh {
 using CornerIndex = std::uint32_t;
 
 /// A straight line along which the surface may break: a feature segment or a side of the domain, from one
-/// kVertex knot to the other. Knots on it are exactly on it by definition, whatever their rounded coordinates.
+/// kVertex knot to the other. Knots on it are exactly on it by definition, whatever their rounded
+/// coordinates.
 struct Line {
   Vec2 from;
   Vec2 to;

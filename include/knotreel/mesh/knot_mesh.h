@@ -49,11 +49,11 @@ struct KnotMesh {
 };
 
 /// Checks everything that the rest of the library relies on: finite positions in the domain, faces that are
-/// positively oriented and tile the rectangle (a disk; border knots exactly on their sides; four kVertex knots
-/// at the domain corners), unique ids, segments that are edges of the triangulation, kinds that agree with the
-/// segments, no face with its three knots on one segment or one side.
-/// @return a one-line description of the first defect, or nothing if the mesh is sound. Never throws, whatever
-/// the content. O(n log n).
+/// positively oriented and tile the rectangle (a disk; border knots exactly on their sides; four kVertex
+/// knots at the domain corners), unique ids, segments that are edges of the triangulation, kinds that agree
+/// with the segments, no face with its three knots on one segment or one side.
+/// @return a one-line description of the first defect, or nothing if the mesh is sound. Never throws,
+/// whatever the content. O(n log n).
 std::optional<std::string> find_defect(const KnotMesh& mesh);
 
 /// Half of find_defect that needs no coordinates: indices in range, every edge in at most two faces and with

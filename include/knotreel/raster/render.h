@@ -6,8 +6,8 @@
 
 #include "knotreel/document/frame_model.h"
 
-/// Vector model -> pixels: for each output pixel the parameter u with S_geo(u) = x is found by Newton's method, and
-/// the colour is S_col(u) (docs/algorithm.md, "rendering").
+/// Vector model -> pixels: for each output pixel the parameter u with S_geo(u) = x is found by Newton's
+/// method, and the colour is S_col(u) (docs/algorithm.md, "rendering").
 namespace knotreel::raster {
 
 struct RenderOptions {
@@ -17,17 +17,17 @@ struct RenderOptions {
   int crop_y = 0;       ///< top of the part to render, in output pixels
   int crop_width = 0;   ///< of the part to render; 0: up to the right end
   int crop_height = 0;  ///< of the part to render; 0: down to the lower end
-  /// Pixels that a feature curve crosses become the mean of 64 samples, each on its own side. Without, every pixel
-  /// takes the colour at its centre.
+  /// Pixels that a feature curve crosses become the mean of 64 samples, each on its own side. Without, every
+  /// pixel takes the colour at its centre.
   bool antialias = true;
 };
 
-/// Draws one model at one size, in any order of rows. Between features a pixel is the surface at its centre; where
-/// the picture is made smaller, it is the mean over the pixel's area.
+/// Draws one model at one size, in any order of rows. Between features a pixel is the surface at its centre;
+/// where the picture is made smaller, it is the mean over the pixel's area.
 ///
 /// Immutable once made; rows() may be called from several threads, and spreads its own work over all threads
-/// allowed. The bits of a pixel depend on the model and on the size of the whole picture only: not on the crop, the
-/// bands or the number of threads. Memory: proportional to the model, plus a few rows per call.
+/// allowed. The bits of a pixel depend on the model and on the size of the whole picture only: not on the
+/// crop, the bands or the number of threads. Memory: proportional to the model, plus a few rows per call.
 class Renderer {
  public:
   /// @throws Error{kInvalidArgument} for sizes below 1 or above 2^24, or a crop outside the picture.
@@ -40,8 +40,8 @@ class Renderer {
   int height() const;    ///< of the part rendered, in pixels
   int channels() const;  ///< as the model
 
-  /// Rows [begin, end) of the part rendered, 0 <= begin <= end <= height(): row-major, channels interleaved, scale
-  /// 0..255, not clamped (splines overshoot). Alpha is not premultiplied.
+  /// Rows [begin, end) of the part rendered, 0 <= begin <= end <= height(): row-major, channels interleaved,
+  /// scale 0..255, not clamped (splines overshoot). Alpha is not premultiplied.
   /// @param out (end - begin) * width() * channels() samples.
   void rows(int begin, int end, std::span<float> out) const;
 
@@ -53,8 +53,8 @@ class Renderer {
 /// The whole part at once.
 std::vector<float> render(const document::FrameModel& model, const RenderOptions& options = {});
 
-/// The same picture by the recurrence of the paper and damped Newton steps for each pixel on its own, with 16 x 16
-/// samples where a feature curve crosses a pixel: thousands of times slower, for tests.
+/// The same picture by the recurrence of the paper and damped Newton steps for each pixel on its own, with 16
+/// x 16 samples where a feature curve crosses a pixel: thousands of times slower, for tests.
 std::vector<float> render_reference(const document::FrameModel& model, const RenderOptions& options = {});
 
 }  // namespace knotreel::raster

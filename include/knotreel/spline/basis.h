@@ -58,9 +58,9 @@ struct ScatteredValues {
   std::vector<BasisValue> values;
 };
 
-/// All basis functions on a grid of pixels, function by function: rows [row_begin[f], row_begin[f+1]) of `rows`
-/// are consecutive pixel rows; each holds the values of pixels [x_begin, x_end) from `offset` in `values`. Pixels
-/// outside are zero; inside, zeros are possible.
+/// All basis functions on a grid of pixels, function by function: rows [row_begin[f], row_begin[f+1]) of
+/// `rows` are consecutive pixel rows; each holds the values of pixels [x_begin, x_end) from `offset` in
+/// `values`. Pixels outside are zero; inside, zeros are possible.
 struct GridValues {
   struct Row {
     std::int32_t y;

@@ -14,9 +14,9 @@ namespace knotreel::spline {
 /// A triangle of a polygon, by the places of its corners in the polygon, ascending.
 using PolygonTriangle = std::array<std::uint32_t, 3>;
 
-/// Apex codes of a triangulation of a polygon with n corners: starting with the edge (0, n-1), the triangle on an
-/// edge (i, j) has its third corner k in between; the code is k - (i + 1); then follow the codes of (i, k) and of
-/// (k, j). Edges with j - i <= 2 leave no choice and have no code.
+/// Apex codes of a triangulation of a polygon with n corners: starting with the edge (0, n-1), the triangle
+/// on an edge (i, j) has its third corner k in between; the code is k - (i + 1); then follow the codes of (i,
+/// k) and of (k, j). Edges with j - i <= 2 leave no choice and have no code.
 /// @param triangles n - 2 triangles that triangulate the polygon combinatorially.
 void encode_triangulation(std::size_t n, std::span<const PolygonTriangle> triangles,
                           std::vector<std::uint16_t>& codes);
@@ -27,9 +27,9 @@ void encode_triangulation(std::size_t n, std::span<const PolygonTriangle> triang
 std::optional<std::size_t> decode_triangulation(std::size_t n, std::span<const std::uint16_t> codes,
                                                 std::vector<PolygonTriangle>& triangles);
 
-/// Triangulates a simple polygon given in positive order, by cutting the ear with the largest smallest angle each
-/// time. Never fails: where rounding or a non-simple polygon leaves no proper ear, the flattest one is cut.
-/// O(n^3), n is about 6.
+/// Triangulates a simple polygon given in positive order, by cutting the ear with the largest smallest angle
+/// each time. Never fails: where rounding or a non-simple polygon leaves no proper ear, the flattest one is
+/// cut. O(n^3), n is about 6.
 std::vector<PolygonTriangle> triangulate_polygon(std::span<const Vec2> polygon);
 
 }  // namespace knotreel::spline

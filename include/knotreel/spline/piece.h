@@ -10,8 +10,8 @@
 /// Closed forms of the simplex splines of degree 0, 1 and 2 (docs/algorithm.md, "tents").
 namespace knotreel::spline {
 
-/// The affine function n . (u - p), which vanishes at p: differences come first, so that large coordinates cost
-/// no precision.
+/// The affine function n . (u - p), which vanishes at p: differences come first, so that large coordinates
+/// cost no precision.
 struct Affine {
   double nx = 0;
   double ny = 0;
@@ -21,9 +21,9 @@ struct Affine {
   double operator()(Vec2 u) const { return nx * (u.x - px) + ny * (u.y - py); }
 };
 
-/// A simplex spline of degree 1 (or the constant of degree 0). On its support, which is convex, a linear simplex
-/// spline is the smallest of the linear functions that vanish on the hull edges through two of its knots only;
-/// hull edges through three knots, or at a double knot, are walls where it breaks off.
+/// A simplex spline of degree 1 (or the constant of degree 0). On its support, which is convex, a linear
+/// simplex spline is the smallest of the linear functions that vanish on the hull edges through two of its
+/// knots only; hull edges through three knots, or at a double knot, are walls where it breaks off.
 struct Tent {
   std::array<Affine, 4> slopes{};
   std::array<Affine, 3> walls{};  ///< unit normals, positive inside
@@ -48,20 +48,20 @@ struct PieceTerm {
   Tent tent;
   Affine factor{};
   bool has_factor = false;
-  Vec2 low;   ///< bounding box of the support
+  Vec2 low;  ///< bounding box of the support
   Vec2 high;
 };
 
 /// One config ready to be evaluated: B_{functions[i]} += weights[i](u) * sum of its terms.
 struct Piece {
-  std::array<Affine, 3> weights;            ///< area(u, edge of T opposite vertex i)
+  std::array<Affine, 3> weights;  ///< area(u, edge of T opposite vertex i)
   std::array<FunctionIndex, 3> functions;
-  std::uint32_t term_begin = 0;             ///< PieceSet::terms[term_begin, term_end)
+  std::uint32_t term_begin = 0;  ///< PieceSet::terms[term_begin, term_end)
   std::uint32_t term_end = 0;
 };
 
 struct PieceSet {
-  std::vector<Piece> pieces;   ///< parallel to SplineSpace::configs()
+  std::vector<Piece> pieces;  ///< parallel to SplineSpace::configs()
   std::vector<PieceTerm> terms;
 };
 

@@ -9,11 +9,12 @@
 #include "knotreel/base/vec2.h"
 #include "knotreel/spline/space.h"
 
-/// The slow, obvious evaluation by the recurrence of the paper (Eq. 1-3): what every fast path is tested against.
+/// The slow, obvious evaluation by the recurrence of the paper (Eq. 1-3): what every fast path is tested
+/// against.
 namespace knotreel::spline {
 
-/// The one-sided direction that stands for "inside" at u: a fixed generic direction, reflected where u lies on
-/// the right or lower side of the domain. Points on knot lines are evaluated as limits from this side.
+/// The one-sided direction that stands for "inside" at u: a fixed generic direction, reflected where u lies
+/// on the right or lower side of the domain. Points on knot lines are evaluated as limits from this side.
 Vec2 inward_direction(Vec2 u, double width, double height);
 
 /// Value, gradient and Hessian at a point; units of the function per pixel and per squared pixel.

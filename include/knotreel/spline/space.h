@@ -27,24 +27,24 @@ inline constexpr CornerIndex kNoCorner = 0xffffffffu;
 /// A t-config (T, I) of degree k-1, the level from which all degree-k functions are evaluated:
 /// B_{I+v}(u) += area(u, edge of T opposite v) * M_{k-1}(u | T + I) for each vertex v of T.
 struct Config {
-  std::array<CornerIndex, 3> triangle;        ///< T, in positive order (zero area is possible)
-  std::array<CornerIndex, 2> inner;           ///< I: degree - 1 corners, the rest kNoCorner
-  std::array<FunctionIndex, 3> functions;     ///< B_{I+v} for the three v of T; kNoFunction if it vanishes
+  std::array<CornerIndex, 3> triangle;     ///< T, in positive order (zero area is possible)
+  std::array<CornerIndex, 2> inner;        ///< I: degree - 1 corners, the rest kNoCorner
+  std::array<FunctionIndex, 3> functions;  ///< B_{I+v} for the three v of T; kNoFunction if it vanishes
 };
 
 /// A polygon that has to be triangulated: the link of the vertex J of a t-config family.
 struct LinkPolygon {
-  std::span<const CornerIndex> vertex;    ///< J: one corner (degree >= 2) or two (degree 3)
-  std::span<const CornerIndex> corners;   ///< positive order, starting with the smallest index; size >= 4
-  std::span<const Vec2> positions;        ///< of the corners
+  std::span<const CornerIndex> vertex;   ///< J: one corner (degree >= 2) or two (degree 3)
+  std::span<const CornerIndex> corners;  ///< positive order, starting with the smallest index; size >= 4
+  std::span<const Vec2> positions;       ///< of the corners
 };
 
 /// Chooses a triangulation of a link: appends the apex codes of the polygon (see link.h). Called once per
 /// polygon with four or more corners, in the fixed order of the space.
 using LinkPolicy = std::function<void(const LinkPolygon&, std::vector<std::uint16_t>& codes)>;
 
-/// The spline space of one knot mesh: cut mesh, links, t-configs, basis functions. Immutable; all const members
-/// may be called from several threads.
+/// The spline space of one knot mesh: cut mesh, links, t-configs, basis functions. Immutable; all const
+/// members may be called from several threads.
 class SplineSpace {
  public:
   /// Builds the space with Delaunay-like link triangulations (deterministic).
@@ -68,8 +68,8 @@ class SplineSpace {
   std::span<const Function> functions() const { return functions_; }
   std::size_t function_count() const { return functions_.size(); }
 
-  /// Functions with the same geometric knots share one geometry control point: index of that group. Groups are
-  /// numbered in the lexicographic order of their sorted knot indices.
+  /// Functions with the same geometric knots share one geometry control point: index of that group. Groups
+  /// are numbered in the lexicographic order of their sorted knot indices.
   std::span<const std::uint32_t> geometry_of() const { return geometry_of_; }
   std::size_t geometry_count() const { return geometry_count_; }
 
