@@ -12,7 +12,9 @@ ThreadCap::ThreadCap(int threads) : impl_(nullptr) {
                                           static_cast<std::size_t>(cap));
 }
 
-ThreadCap::~ThreadCap() { delete static_cast<oneapi::tbb::global_control*>(impl_); }
+ThreadCap::~ThreadCap() {
+  delete static_cast<oneapi::tbb::global_control*>(impl_);
+}
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
   oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { body(i); });

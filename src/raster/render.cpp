@@ -75,7 +75,8 @@ void Renderer::State::draw_tile(Tile& tile, int tile_row, int tile_column,
   // The whole tile takes part in the set-up, whatever part of it is asked for: same bits for any crop or band.
   const int x0 = tile_column * tile_width;
   const int y0 = tile_row * tile_height;
-  tile.set({x0 * fine_width, y0 * fine_height}, {(x0 + tile_width) * fine_width, (y0 + tile_height) * fine_height});
+  tile.set({x0 * fine_width, y0 * fine_height}, {(x0 + tile_width) * fine_width, (y0 + tile_height) * fine_height},
+           tile_width * tile_height >= 64);
   const auto to = [&](int x, int y) {
     return out + (static_cast<std::size_t>(y - row_begin) * static_cast<std::size_t>(column_end - column_begin) +
                   static_cast<std::size_t>(x - column_begin)) * channels;

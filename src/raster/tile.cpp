@@ -14,67 +14,73 @@ constexpr Vec2 kDirection = {0.8191520442889918, 0.5735764363510462};
 // Parameters stay this far, in pixels, off the right and lower side, so that kDirection points inside everywhere.
 constexpr double kInset = 1e-7;
 constexpr int kMaxSteps = 10;
-// Newton's method is stopped after a step this small, in pixels: quadratic convergence leaves an error far below.
-constexpr double kSmallStep = 1e-5;
+// Newton's method is stopped after a step this small, in pixels. Where the map is C1 the error left is about the
+// square of the step; next to its kink at a feature it may be a fraction of it.
+constexpr double kSmallStep = 2e-3;
+constexpr double kSmallStepAtFeature = 2e-4;
 
-/// Tent of a term at n points; the gradient too if gx is not null.
-KNOTREEL_MULTIVERSION
-void tents(const SurfaceTerm& term, const double* ux, const double* uy, int n, double* v, double* gx, double* gy) {
-  const spline::Tent& tent = term.tent;
-  if (tent.slope_count == 0) {
-    for (int i = 0; i < n; ++i) v[i] = tent.constant;
-    if (gx != nullptr) {
-      for (int i = 0; i < n; ++i) gx[i] = gy[i] = 0;
-    }
-  }
-  for (int s = 0; s < tent.slope_count; ++s) {
-    const spline::Affine a = tent.slopes[static_cast<std::size_t>(s)];
-    if (s == 0) {
-      for (int i = 0; i < n; ++i) v[i] = a.nx * (ux[i] - a.px) + a.ny * (uy[i] - a.py);
-      if (gx != nullptr) {
-        for (int i = 0; i < n; ++i) gx[i] = a.nx;
-        for (int i = 0; i < n; ++i) gy[i] = a.ny;
-      }
-    } else if (gx == nullptr) {
-      for (int i = 0; i < n; ++i) {
-        const double w = a.nx * (ux[i] - a.px) + a.ny * (uy[i] - a.py);
-        v[i] = w < v[i] ? w : v[i];
-      }
-    } else {
-      for (int i = 0; i < n; ++i) {
-        const double w = a.nx * (ux[i] - a.px) + a.ny * (uy[i] - a.py);
-        gx[i] = w < v[i] ? a.nx : gx[i];
-        gy[i] = w < v[i] ? a.ny : gy[i];
-        v[i] = w < v[i] ? w : v[i];
-      }
-    }
-  }
-  // Zero outside; walls first, since the value is what marks the outside for the gradient.
+/// Zeroes v outside the walls of a tent, and where it is negative.
+inline void cut_off(const spline::Tent& tent, const double* __restrict ux, const double* __restrict uy, int n,
+                    double* __restrict v) {
   for (int k = 0; k < tent.wall_count; ++k) {
     const spline::Affine a = tent.walls[static_cast<std::size_t>(k)];
-    const double on = a.nx * kDirection.x + a.ny * kDirection.y > 0 ? -spline::kOnWall : spline::kOnWall;
-    // on < 0: points on the wall (|d| <= kOnWall) are inside; else they are outside.
+    // Points on the wall (within kOnWall) are inside if the direction points inside.
+    const double least = a.nx * kDirection.x + a.ny * kDirection.y > 0 ? -spline::kOnWall : spline::kOnWall;
     for (int i = 0; i < n; ++i) {
       const double d = a.nx * (ux[i] - a.px) + a.ny * (uy[i] - a.py);
-      const bool inside = on < 0 ? d >= on : d > on;
-      v[i] = inside ? v[i] : 0;
+      v[i] = d >= least ? v[i] : 0;
     }
-  }
-  if (gx != nullptr) {
-    for (int i = 0; i < n; ++i) gx[i] = v[i] > 0 ? gx[i] : 0;
-    for (int i = 0; i < n; ++i) gy[i] = v[i] > 0 ? gy[i] : 0;
   }
   for (int i = 0; i < n; ++i) v[i] = v[i] > 0 ? v[i] : 0;
-  if (term.has_factor) {
-    const spline::Affine f = term.factor;
+}
+
+/// Tent times factor of a term at n points.
+KNOTREEL_MULTIVERSION
+void tent_values(const SurfaceTerm& term, const double* __restrict ux, const double* __restrict uy, int n,
+                 double* __restrict v) {
+  const spline::Tent& tent = term.tent;
+  for (int i = 0; i < n; ++i) v[i] = tent.slope_count == 0 ? tent.constant : std::numeric_limits<double>::max();
+  for (int s = 0; s < tent.slope_count; ++s) {
+    const spline::Affine a = tent.slopes[static_cast<std::size_t>(s)];
     for (int i = 0; i < n; ++i) {
-      const double w = f.nx * (ux[i] - f.px) + f.ny * (uy[i] - f.py);
-      if (gx != nullptr) {
-        gx[i] = gx[i] * w + v[i] * f.nx;
-        gy[i] = gy[i] * w + v[i] * f.ny;
-      }
-      v[i] *= w;
+      const double w = a.nx * (ux[i] - a.px) + a.ny * (uy[i] - a.py);
+      v[i] = w < v[i] ? w : v[i];
     }
+  }
+  cut_off(tent, ux, uy, n, v);
+  if (!term.has_factor) return;
+  const spline::Affine f = term.factor;
+  for (int i = 0; i < n; ++i) v[i] *= f.nx * (ux[i] - f.px) + f.ny * (uy[i] - f.py);
+}
+
+/// The same with the gradient.
+KNOTREEL_MULTIVERSION
+void tent_gradients(const SurfaceTerm& term, const double* __restrict ux, const double* __restrict uy, int n,
+                    double* __restrict v, double* __restrict gx, double* __restrict gy) {
+  const spline::Tent& tent = term.tent;
+  for (int i = 0; i < n; ++i) v[i] = tent.slope_count == 0 ? tent.constant : std::numeric_limits<double>::max();
+  for (int i = 0; i < n; ++i) gx[i] = 0;
+  for (int i = 0; i < n; ++i) gy[i] = 0;
+  for (int s = 0; s < tent.slope_count; ++s) {
+    const spline::Affine a = tent.slopes[static_cast<std::size_t>(s)];
+    for (int i = 0; i < n; ++i) {
+      const double w = a.nx * (ux[i] - a.px) + a.ny * (uy[i] - a.py);
+      const bool lower = w < v[i];
+      gx[i] = lower ? a.nx : gx[i];
+      gy[i] = lower ? a.ny : gy[i];
+      v[i] = lower ? w : v[i];
+    }
+  }
+  cut_off(tent, ux, uy, n, v);
+  for (int i = 0; i < n; ++i) gx[i] = v[i] > 0 ? gx[i] : 0;
+  for (int i = 0; i < n; ++i) gy[i] = v[i] > 0 ? gy[i] : 0;
+  if (!term.has_factor) return;
+  const spline::Affine f = term.factor;
+  for (int i = 0; i < n; ++i) {
+    const double w = f.nx * (ux[i] - f.px) + f.ny * (uy[i] - f.py);
+    gx[i] = gx[i] * w + v[i] * f.nx;
+    gy[i] = gy[i] * w + v[i] * f.ny;
+    v[i] *= w;
   }
 }
 
@@ -85,14 +91,14 @@ struct Geometry {
 };
 
 KNOTREEL_MULTIVERSION
-void add_geometry(const SurfaceTerm& term, const double* ux, const double* uy, int n, const double* v,
-                  const double* gx, const double* gy, Geometry& g) {
+void add_geometry(const SurfaceTerm& term, const double* __restrict ux, const double* __restrict uy, int n,
+                  const double* __restrict v, const double* __restrict gx, const double* __restrict gy, Geometry& g) {
   for (std::size_t c = 0; c < 2; ++c) {
     const Plane p = term.planes[c];
     const Vec2 o = term.origin;
-    double* d = g.d[c].data();
-    double* jx = g.j[c][0].data();
-    double* jy = g.j[c][1].data();
+    double* __restrict d = g.d[c].data();
+    double* __restrict jx = g.j[c][0].data();
+    double* __restrict jy = g.j[c][1].data();
     for (int i = 0; i < n; ++i) {
       const double w = p.value + p.gx * (ux[i] - o.x) + p.gy * (uy[i] - o.y);
       d[i] += v[i] * w;
@@ -103,8 +109,8 @@ void add_geometry(const SurfaceTerm& term, const double* ux, const double* uy, i
 }
 
 KNOTREEL_MULTIVERSION
-void add_colours(const SurfaceTerm& term, std::size_t channels, const double* ux, const double* uy, int n,
-                 const double* v, double* out) {
+void add_colours(const SurfaceTerm& term, std::size_t channels, const double* __restrict ux,
+                 const double* __restrict uy, int n, const double* __restrict v, double* __restrict out) {
   for (std::size_t c = kGeometryChannels; c < channels; ++c) {
     const Plane p = term.planes[c];
     const Vec2 o = term.origin;
@@ -113,11 +119,49 @@ void add_colours(const SurfaceTerm& term, std::size_t channels, const double* ux
   }
 }
 
+KNOTREEL_MULTIVERSION
+void smooth_values(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy, int n,
+                   double* __restrict value) {
+  for (int i = 0; i < n; ++i) {
+    const double dx = ux[i] - o.x;
+    const double dy = uy[i] - o.y;
+    value[i] = q.c + dx * (q.x + q.xx * dx + q.xy * dy) + dy * (q.y + q.yy * dy);
+  }
+}
+
+KNOTREEL_MULTIVERSION
+void smooth_gradients(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy, int n,
+                      double* __restrict value, double* __restrict gx, double* __restrict gy) {
+  for (int i = 0; i < n; ++i) {
+    const double dx = ux[i] - o.x;
+    const double dy = uy[i] - o.y;
+    value[i] = q.c + dx * (q.x + q.xx * dx + q.xy * dy) + dy * (q.y + q.yy * dy);
+    gx[i] = q.x + 2 * q.xx * dx + q.xy * dy;
+    gy[i] = q.y + q.xy * dx + 2 * q.yy * dy;
+  }
+}
+
+/// Quadratic interpolation of nine values on the square [0,2]^2 at n points, whose places are scaled to it.
+KNOTREEL_MULTIVERSION
+void interpolate(const std::array<double, 9>& node, Vec2 low, Vec2 size, const double* __restrict x,
+                 const double* __restrict y, int n, double* __restrict out) {
+  for (int i = 0; i < n; ++i) {
+    const double s = 2 * (x[i] - low.x) / size.x;
+    const double t = 2 * (y[i] - low.y) / size.y;
+    const double s0 = 0.5 * (s - 1) * (s - 2);
+    const double s1 = s * (2 - s);
+    const double s2 = 0.5 * s * (s - 1);
+    const double r0 = s0 * node[0] + s1 * node[1] + s2 * node[2];
+    const double r1 = s0 * node[3] + s1 * node[4] + s2 * node[5];
+    const double r2 = s0 * node[6] + s1 * node[7] + s2 * node[8];
+    out[i] = 0.5 * (t - 1) * (t - 2) * r0 + t * (2 - t) * r1 + 0.5 * t * (t - 1) * r2;
+  }
+}
+
 /// One Newton step for n points, clamped to the box, with the length of each in `moved`; returns the longest.
 KNOTREEL_MULTIVERSION
-double newton_step(const Geometry& g, const double* x, const double* y, int n, Vec2 low, Vec2 high, double* ux,
-                   double* uy, double* moved) {
-  double longest = 0;
+double newton_step(const Geometry& g, const double* __restrict x, const double* __restrict y, int n, Vec2 low,
+                   Vec2 high, double* __restrict ux, double* __restrict uy, double* __restrict moved) {
   for (int i = 0; i < n; ++i) {
     const double rx = x[i] - ux[i] - g.d[0][static_cast<std::size_t>(i)];
     const double ry = y[i] - uy[i] - g.d[1][static_cast<std::size_t>(i)];
@@ -138,11 +182,10 @@ double newton_step(const Geometry& g, const double* x, const double* y, int n, V
     py = py < low.y ? low.y : py;
     py = py > high.y ? high.y : py;
     moved[i] = std::abs(px - ux[i]) + std::abs(py - uy[i]);
-    longest = moved[i] > longest ? moved[i] : longest;
     ux[i] = px;
     uy[i] = py;
   }
-  return longest;
+  return *std::max_element(moved, moved + n);
 }
 
 }  // namespace
@@ -150,7 +193,7 @@ double newton_step(const Geometry& g, const double* x, const double* y, int n, V
 bool Tile::fold(const SurfaceTerm& term) {
   if (surface_.degree() > 2 || term.has_factor) return false;
   const spline::Tent& tent = term.tent;
-  const Vec2 half = 0.5 * (high_ - low_);
+  const Vec2 half = 0.5 * (box_.high - box_.low);
   const auto spread = [&](double nx, double ny) { return std::abs(nx) * half.x + std::abs(ny) * half.y; };
   for (int k = 0; k < tent.wall_count; ++k) {
     const spline::Affine& wall = tent.walls[static_cast<std::size_t>(k)];
@@ -193,75 +236,125 @@ bool Tile::fold(const SurfaceTerm& term) {
   return true;
 }
 
-void Tile::set(Vec2 low, Vec2 high) {
-  const Surface::Bounds bounds = surface_.displacement_bounds(low, high);
-  identity_ = bounds.zero();
-  const double right = surface_.width() - kInset;
-  const double bottom = surface_.height() - kInset;
-  low_ = {std::clamp(low.x - bounds.high.x, 0.0, right), std::clamp(low.y - bounds.high.y, 0.0, bottom)};
-  high_ = {std::clamp(high.x - bounds.low.x, 0.0, right), std::clamp(high.y - bounds.low.y, 0.0, bottom)};
-  centre_ = 0.5 * (low_ + high_);
-  start_ = -0.5 * (bounds.low + bounds.high);  // displacement is image minus parameter
+void Tile::assemble(const Box& box) {
+  box_ = box;
+  centre_ = 0.5 * (box.low + box.high);
   smooth_ = {};
   terms_.clear();
-  entries_.clear();
-  surface_.terms_in_box(low_, high_, entries_);
-  for (const spline::TermIndex::Entry& e : entries_) {
-    const SurfaceTerm& term = surface_.terms()[e.term];
-    if (!fold(term)) terms_.push_back(&term);
+  has_kink_ = false;
+  for (const SurfaceTerm* term : all_) {
+    if (fold(*term)) continue;
+    terms_.push_back(term);
+    has_kink_ = has_kink_ || term->tent.wall_count > 0;
   }
 }
 
-void Tile::invert(const double* x, const double* y, int n) {
+void Tile::set(Vec2 low, Vec2 high, bool dense) {
+  const Surface::Bounds bounds = surface_.displacement_bounds(low, high);
+  const Vec2 limit{surface_.width() - kInset, surface_.height() - kInset};
+  const auto clamped = [&](Vec2 u) { return Vec2{std::clamp(u.x, 0.0, limit.x), std::clamp(u.y, 0.0, limit.y)}; };
+  reach_ = {clamped(low - bounds.high), clamped(high - bounds.low)};
+  shift_ = -0.5 * (bounds.low + bounds.high);
+  identity_ = bounds.zero();
+  has_nodes_ = false;
+  entries_.clear();
+  all_.clear();
+  surface_.terms_in_box(reach_.low, reach_.high, entries_);
+  for (const spline::TermIndex::Entry& e : entries_) all_.push_back(&surface_.terms()[e.term]);
+  assemble(reach_);
+  if (dense && !identity_) solve_nodes(low, high);
+}
+
+void Tile::solve_nodes(Vec2 low, Vec2 high) {
+  std::array<double, 9> x;
+  std::array<double, 9> y;
+  for (std::size_t i = 0; i < 9; ++i) {
+    x[i] = low.x + 0.5 * static_cast<double>(i % 3) * (high.x - low.x);
+    y[i] = low.y + 0.5 * static_cast<double>(i / 3) * (high.y - low.y);
+  }
+  invert(x.data(), y.data(), 9);
+  std::copy_n(ux_.begin(), 9, node_u_[0].begin());
+  std::copy_n(uy_.begin(), 9, node_u_[1].begin());
+  node_low_ = low;
+  node_size_ = high - low;
+  has_nodes_ = true;
+  const auto [x0, x1] = std::minmax_element(node_u_[0].begin(), node_u_[0].end());
+  const auto [y0, y1] = std::minmax_element(node_u_[1].begin(), node_u_[1].end());
+  // The image box is hardly bent: a tenth more holds all its parameters, or invert() notices.
+  const double margin = 0.05 * std::max(*x1 - *x0, *y1 - *y0);
+  assemble({{std::max(*x0 - margin, reach_.low.x), std::max(*y0 - margin, reach_.low.y)},
+            {std::min(*x1 + margin, reach_.high.x), std::min(*y1 + margin, reach_.high.y)}});
+}
+
+/// First parameters for n points: between the nodes by quadratic interpolation, or a common shift.
+void Tile::start_points(const double* x, const double* y, int n) {
+  if (!has_nodes_) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+      ux_[i] = x[i] + shift_.x;
+      uy_[i] = y[i] + shift_.y;
+    }
+  } else {
+    interpolate(node_u_[0], node_low_, node_size_, x, y, n, ux_.data());
+    interpolate(node_u_[1], node_low_, node_size_, x, y, n, uy_.data());
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+    ux_[i] = std::clamp(ux_[i], box_.low.x, box_.high.x);
+    uy_[i] = std::clamp(uy_[i], box_.low.y, box_.high.y);
+  }
+}
+
+/// Fills ux_, uy_. @return false if box_ was too small for some point.
+bool Tile::invert(const double* x, const double* y, int n) {
+  start_points(x, y, n);
+  if (identity_) return true;
   alignas(64) std::array<double, kBatch> v;
   alignas(64) std::array<double, kBatch> gx;
   alignas(64) std::array<double, kBatch> gy;
   Geometry g;
-  for (int i = 0; i < n; ++i) {
-    ux_[static_cast<std::size_t>(i)] = std::clamp(x[i] + start_.x, low_.x, high_.x);
-    uy_[static_cast<std::size_t>(i)] = std::clamp(y[i] + start_.y, low_.y, high_.y);
-  }
-  if (identity_) return;
+  const double small = has_kink_ ? kSmallStepAtFeature : kSmallStep;
+  double longest = 0;
   for (int step = 0; step < kMaxSteps; ++step) {
     for (std::size_t c = 0; c < 2; ++c) {
-      const Quadratic q = smooth_[c];
-      for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
-        const double dx = ux_[i] - centre_.x;
-        const double dy = uy_[i] - centre_.y;
-        g.d[c][i] = q.c + dx * (q.x + q.xx * dx + q.xy * dy) + dy * (q.y + q.yy * dy);
-        g.j[c][0][i] = q.x + 2 * q.xx * dx + q.xy * dy;
-        g.j[c][1][i] = q.y + q.xy * dx + 2 * q.yy * dy;
-      }
+      smooth_gradients(smooth_[c], centre_, ux_.data(), uy_.data(), n, g.d[c].data(), g.j[c][0].data(),
+                       g.j[c][1].data());
     }
     for (const SurfaceTerm* term : terms_) {
-      tents(*term, ux_.data(), uy_.data(), n, v.data(), gx.data(), gy.data());
+      tent_gradients(*term, ux_.data(), uy_.data(), n, v.data(), gx.data(), gy.data());
       add_geometry(*term, ux_.data(), uy_.data(), n, v.data(), gx.data(), gy.data(), g);
     }
-    if (newton_step(g, x, y, n, low_, high_, ux_.data(), uy_.data(), v.data()) < kSmallStep) return;
+    longest = newton_step(g, x, y, n, box_.low, box_.high, ux_.data(), uy_.data(), v.data());
+    if (longest < small) break;
   }
+  // Points held back at an edge of the box that is no edge of what they may reach.
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+    if ((ux_[i] <= box_.low.x && box_.low.x > reach_.low.x) || (ux_[i] >= box_.high.x && box_.high.x < reach_.high.x) ||
+        (uy_[i] <= box_.low.y && box_.low.y > reach_.low.y) || (uy_[i] >= box_.high.y && box_.high.y < reach_.high.y)) {
+      return false;
+    }
+  }
+  if (longest < small) return true;
   // Rare: points that jump to and fro across the kink that the map has at a feature. Each on its own, with care.
-  for (int i = 0; i < n; ++i) {
-    if (v[static_cast<std::size_t>(i)] < kSmallStep) continue;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
+    if (v[i] < small) continue;
     const Vec2 u = solve_point(surface_, {x[i], y[i]});
-    ux_[static_cast<std::size_t>(i)] = std::clamp(u.x, low_.x, high_.x);
-    uy_[static_cast<std::size_t>(i)] = std::clamp(u.y, low_.y, high_.y);
+    ux_[i] = std::clamp(u.x, reach_.low.x, reach_.high.x);
+    uy_[i] = std::clamp(u.y, reach_.low.y, reach_.high.y);
+    if (ux_[i] < box_.low.x || ux_[i] > box_.high.x || uy_[i] < box_.low.y || uy_[i] > box_.high.y) return false;
   }
+  return true;
 }
 
 void Tile::colours(const double* x, const double* y, int n, double* out) {
-  invert(x, y, n);
+  if (!invert(x, y, n)) {
+    assemble(reach_);
+    invert(x, y, n);
+  }
   alignas(64) std::array<double, kBatch> v;
   for (std::size_t c = kGeometryChannels; c < surface_.channels(); ++c) {
-    const Quadratic q = smooth_[c];
-    double* to = out + (c - kGeometryChannels) * kBatch;
-    for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
-      const double dx = ux_[i] - centre_.x;
-      const double dy = uy_[i] - centre_.y;
-      to[i] = q.c + dx * (q.x + q.xx * dx + q.xy * dy) + dy * (q.y + q.yy * dy);
-    }
+    smooth_values(smooth_[c], centre_, ux_.data(), uy_.data(), n, out + (c - kGeometryChannels) * kBatch);
   }
   for (const SurfaceTerm* term : terms_) {
-    tents(*term, ux_.data(), uy_.data(), n, v.data(), nullptr, nullptr);
+    tent_values(*term, ux_.data(), uy_.data(), n, v.data());
     add_colours(*term, surface_.channels(), ux_.data(), uy_.data(), n, v.data(), out);
   }
 }

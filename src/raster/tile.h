@@ -10,6 +10,11 @@ namespace knotreel::raster {
 /// Most points that a tile handles at once.
 inline constexpr int kBatch = 256;
 
+/// A quadratic polynomial around some centre.
+struct Quadratic {
+  double c, x, y, xx, xy, yy;
+};
+
 /// The part of a surface that matters for a small box of the image. What is one polynomial over the whole box is
 /// added up beforehand (degree 1 and 2), so that few terms are left for each point; all points of a batch take the
 /// same path, which is what vector instructions want.
@@ -19,28 +24,39 @@ class Tile {
   explicit Tile(const Surface& surface) : surface_(surface) {}
 
   /// Prepares for image points in [low, high].
-  void set(Vec2 low, Vec2 high);
+  /// @param dense many points will follow: it pays to solve for nine of them first, which gives the others a start
+  /// so close that one Newton step is enough, and a smaller parametric box.
+  void set(Vec2 low, Vec2 high, bool dense);
 
   /// Colours at n <= kBatch image points in the box: out[c * kBatch + i].
   void colours(const double* x, const double* y, int n, double* out);
 
  private:
-  /// A quadratic polynomial per channel around the centre of the parametric box.
-  struct Quadratic {
-    double c, x, y, xx, xy, yy;
+  struct Box {
+    Vec2 low;
+    Vec2 high;
   };
 
+  void assemble(const Box& box);
   bool fold(const SurfaceTerm& term);
-  void invert(const double* x, const double* y, int n);
+  void solve_nodes(Vec2 low, Vec2 high);
+  void start_points(const double* x, const double* y, int n);
+  bool invert(const double* x, const double* y, int n);
 
   const Surface& surface_;
-  Vec2 low_;   ///< parametric box in which the terms are complete
-  Vec2 high_;
-  Vec2 centre_;
-  Vec2 start_;  ///< first guess of u - x
+  Box reach_{};  ///< contains every parameter whose image is in the box, by the convex hull property
+  Box box_{};    ///< for which terms_ and smooth_ are complete: reach_, or the smaller box around the nodes
+  Vec2 centre_;  ///< of box_
+  Vec2 shift_;   ///< first guess of u - x without nodes
   bool identity_ = true;
-  std::array<Quadratic, kMaxChannels> smooth_{};
-  std::vector<const SurfaceTerm*> terms_;
+  bool has_kink_ = false;  ///< some term has a wall in box_: the map may have a kink there
+  bool has_nodes_ = false;
+  Vec2 node_low_;
+  Vec2 node_size_;
+  std::array<double, 9> node_u_[2];  ///< parameters of the 3 x 3 nodes
+  std::array<Quadratic, kMaxChannels> smooth_{};  ///< around centre_
+  std::vector<const SurfaceTerm*> all_;    ///< terms that touch reach_
+  std::vector<const SurfaceTerm*> terms_;  ///< those that are not folded into smooth_
   std::vector<spline::TermIndex::Entry> entries_;
   alignas(64) std::array<double, kBatch> ux_{};
   alignas(64) std::array<double, kBatch> uy_{};

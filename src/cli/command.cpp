@@ -1,0 +1,29 @@
+#include "cli/command.h"
+
+#include "knotreel/base/output_file.h"
+
+namespace knotreel::cli {
+
+void add_threads_option(CLI::App& command, int& threads) {
+  command
+      .add_option("--threads", threads,
+                  "Most threads to use, up to 1024; 0: one per core. The result does\nnot depend on it")
+      ->check(CLI::Range(0, 1024).description(""))
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+void add_frame_option(CLI::App& command, std::uint64_t& frame, const std::string& description) {
+  command.add_option("--frame", frame, description)
+      ->check(CLI::Range(0, 0x7fffffff).description(""))  // CLI11 would let -1 wrap around
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+void write_text(const std::string& path, const std::string& text) {
+  OutputFile file(path);
+  file.write(text);
+  file.commit();
+}
+
+}  // namespace knotreel::cli

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <string>
+
+/// The subcommands. Each function adds one to the program: its options, its help, and a callback that does
+/// the work and throws Error. Nothing here prints errors; main() does.
+namespace knotreel::cli {
+
+void add_vectorize_command(CLI::App& program);
+void add_render_command(CLI::App& program);
+void add_info_command(CLI::App& program);
+void add_dump_command(CLI::App& program);
+void add_compare_command(CLI::App& program);
+
+/// Adds `--threads N` to a command; `threads` stays 0 (all cores) if it is not given.
+void add_threads_option(CLI::App& command, int& threads);
+
+/// Adds `--frame N`.
+void add_frame_option(CLI::App& command, std::uint64_t& frame, const std::string& description);
+
+/// Writes to standard output, or to a file if `path` is not "-". A full disk is Error{kOutput}.
+void write_text(const std::string& path, const std::string& text);
+
+/// "knotreel 0.1.0 (OpenCV ..., ...)".
+std::string version_text();
+
+}  // namespace knotreel::cli

@@ -1,0 +1,64 @@
+#include <fmt/core.h>
+
+#include <memory>
+
+#include "cli/command.h"
+#include "cli/metrics_report.h"
+#include "cli/pictures.h"
+#include "knotreel/base/parallel.h"
+
+namespace knotreel::cli {
+namespace {
+
+struct Arguments {
+  std::string a;
+  std::string b;
+  std::uint64_t frame = 0;
+  bool json = false;
+  int threads = 0;
+};
+
+void compare(const Arguments& arguments) {
+  const ThreadCap cap(arguments.threads);
+  const image::Image a = load_picture(arguments.a, arguments.frame);
+  const image::Image b = load_picture(arguments.b, arguments.frame);
+  const image::ImageMetrics metrics = image::compare_images(a, b);
+  if (arguments.json) {
+    nlohmann::ordered_json json{{"width", a.width}, {"height", a.height}};
+    json.update(metrics_json(metrics));
+    write_text("-", json.dump(2) + "\n");
+    return;
+  }
+  write_text(
+      "-", fmt::format("size  {}x{}\n"
+                       "MEC   {:.3f}   mean length of the colour error, 0..255 (0 is equal)\n"
+                       "RMSE  {:.5f}   root mean square error, colour in 0..1 (0 is equal)\n"
+                       "PSNR  {}   on 8 bits (more is better)\n"
+                       "SSIM  {:.5f}   structural similarity (1 is equal)\n",
+                       a.width, a.height, metrics.mec, metrics.rmse, psnr_text(metrics.psnr), metrics.ssim));
+}
+
+constexpr const char* kFooter = R"(
+Documents are drawn at their own size. Both must have the same size; grey is compared with
+colour as grey in all three channels. In JSON, a psnr of null means equal pictures.
+Examples:
+  knotreel compare photo.png photo.tcb
+  knotreel compare before.png after.png --json)";
+
+}  // namespace
+
+void add_compare_command(CLI::App& program) {
+  CLI::App* command = program.add_subcommand(
+      "compare", "Measure how far two pictures (or documents) are apart: MEC, RMSE, PSNR, SSIM");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("A", arguments->a, "Picture or vector document")->type_name("")->required();
+  command->add_option("B", arguments->b, "Picture or vector document")->type_name("")->required();
+  command->add_option("--frame", arguments->frame, "Frame of the documents, counted from 0")
+      ->capture_default_str();
+  command->add_flag("--json", arguments->json, "Print the figures as JSON");
+  add_threads_option(*command, arguments->threads);
+  command->footer(kFooter);
+  command->callback([arguments] { compare(*arguments); });
+}
+
+}  // namespace knotreel::cli

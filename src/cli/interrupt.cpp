@@ -1,0 +1,36 @@
+#include "cli/interrupt.h"
+
+#include <csignal>
+
+#include "knotreel/base/error.h"
+
+namespace knotreel::cli {
+namespace {
+
+volatile std::sig_atomic_t interrupted = 0;
+
+void on_signal(int) {
+  interrupted = 1;
+}
+
+}  // namespace
+
+void install_signal_handlers() {
+  struct sigaction action {};
+  action.sa_handler = on_signal;
+  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+  sigemptyset(&action.sa_mask);
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    struct sigaction present {};
+    // What nohup or a background shell has switched off stays off.
+    if (sigaction(signal, nullptr, &present) == 0 && present.sa_handler == SIG_IGN) continue;
+    sigaction(signal, &action, nullptr);
+  }
+  std::signal(SIGPIPE, SIG_IGN);
+}
+
+void check_interrupted() {
+  if (interrupted != 0) throw Error(ErrorKind::kInterrupted, "interrupted");
+}
+
+}  // namespace knotreel::cli

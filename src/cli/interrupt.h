@@ -1,0 +1,13 @@
+#pragma once
+
+namespace knotreel::cli {
+
+/// From now on SIGINT, SIGTERM and SIGHUP only raise a flag; a second one ends the program at once. Writing
+/// to a closed pipe becomes an error instead of a signal. Call once, from main().
+void install_signal_handlers();
+
+/// To be called between units of work that take no more than a moment.
+/// @throws Error{kInterrupted} once a signal has come.
+void check_interrupted();
+
+}  // namespace knotreel::cli

@@ -1,0 +1,82 @@
+#include <unistd.h>
+
+#include <exception>
+#include <new>
+#include <string>
+
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "knotreel/base/error.h"
+#include "knotreel/base/output_file.h"
+
+namespace {
+
+using namespace knotreel;
+
+/// One line on standard error, whatever is in the message (file names may hold anything).
+void print_error(std::string message) {
+  for (char& c : message) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  message = "knotreel: " + message + "\n";
+  // Standard error may be closed or full; there is nobody left to tell.
+  [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, message.data(), message.size());
+}
+
+constexpr const char* kFooter = R"(
+Examples:
+  knotreel vectorize photo.png -o photo.tcb          picture to vector document
+  knotreel render photo.tcb -o large.png --scale 4   and back, four times as large
+  knotreel compare photo.png photo.tcb               how close is it?
+  knotreel info photo.tcb                            what is in it?
+'knotreel COMMAND --help' tells more about a command.
+
+Pictures: PNG, JPEG, TIFF, WebP, BMP, PBM/PGM/PPM, PAM, PFM. '-' is standard input or output.
+Exit codes: 0 done, 2 wrong usage, 3 input unreadable or corrupt, 4 output cannot be written,
+130 interrupted, 1 anything else. An error is one line on standard error.)";
+
+void run(int argc, char** argv) {
+  CLI::App program(
+      "Turns pictures into smooth vector graphics (TCB-spline surfaces), and those into pictures of any "
+      "size.",
+      "knotreel");
+  program.footer(kFooter);
+  program.set_version_flag("--version", [] { return cli::version_text(); });
+  program.require_subcommand(1);
+  cli::add_vectorize_command(program);
+  cli::add_render_command(program);
+  cli::add_info_command(program);
+  cli::add_dump_command(program);
+  cli::add_compare_command(program);
+  try {
+    program.parse(argc, argv);
+  } catch (const CLI::CallForVersion&) {
+    cli::write_text("-", cli::version_text());
+  } catch (const CLI::CallForHelp&) {
+    cli::write_text("-", program.help());  // of the subcommand, if one was named
+  } catch (const CLI::ParseError& e) {
+    const std::string message = e.what();
+    throw Error(ErrorKind::kInvalidArgument,
+                message.substr(0, message.find('\n')) + " (see knotreel --help)");
+  }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  knotreel::cli::install_signal_handlers();
+  try {
+    run(argc, argv);
+    return 0;
+  } catch (const BrokenPipe& e) {
+    return exit_code(e.kind());  // the reader knows, and a message would only clutter the pipeline
+  } catch (const Error& e) {
+    print_error(e.what());
+    return exit_code(e.kind());
+  } catch (const std::bad_alloc&) {
+    print_error("not enough memory");
+  } catch (const std::exception& e) {
+    print_error(std::string("internal error: ") + e.what());
+  }
+  return exit_code(ErrorKind::kInternal);
+}

@@ -1,0 +1,23 @@
+#include "cli/metrics_report.h"
+
+#include <fmt/core.h>
+
+#include <cmath>
+
+namespace knotreel::cli {
+
+nlohmann::ordered_json metrics_json(const image::ImageMetrics& metrics) {
+  nlohmann::ordered_json json;
+  json["mec"] = metrics.mec;
+  json["rmse"] = metrics.rmse;
+  json["psnr"] =
+      std::isinf(metrics.psnr) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(metrics.psnr);
+  json["ssim"] = metrics.ssim;
+  return json;
+}
+
+std::string psnr_text(double psnr) {
+  return fmt::format("{:.2f} dB", psnr);
+}
+
+}  // namespace knotreel::cli

@@ -1,0 +1,16 @@
+#pragma once
+
+#include <nlohmann/json.hpp>
+#include <string>
+
+#include "knotreel/image/metrics.h"
+
+namespace knotreel::cli {
+
+/// Members mec, rmse, psnr, ssim; psnr is null for equal pictures, since JSON has no infinity.
+nlohmann::ordered_json metrics_json(const image::ImageMetrics& metrics);
+
+/// "31.25 dB", or "inf dB" for equal pictures.
+std::string psnr_text(double psnr);
+
+}  // namespace knotreel::cli

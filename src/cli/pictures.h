@@ -1,0 +1,44 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <filesystem>
+#include <optional>
+
+#include "knotreel/document/frame_model.h"
+#include "knotreel/document/reader.h"
+#include "knotreel/image/image.h"
+#include "knotreel/image/write_image.h"
+#include "knotreel/raster/render.h"
+
+/// Pictures from documents, and from either kind of file.
+namespace knotreel::cli {
+
+/// Whether a path is to be read as a picture rather than as a document: by content, else by name.
+bool is_picture(const std::filesystem::path& path);
+
+/// Opens a document; `-` is standard input. @throws Error{kInput}.
+document::Reader open_document(const std::filesystem::path& path);
+
+/// Reads one frame. @throws Error{kInvalidArgument} if there is no such frame.
+document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame);
+
+/// Opaque colour to put a picture with alpha on, 0..255; none keeps the alpha.
+using Background = std::optional<std::array<float, 3>>;
+
+/// Channels of a rendering after it was put on the background.
+int channels_on(const Background& background, int channels);
+
+/// Renders in bands and hands them to the writer, which works while the next band is rendered. Memory: two
+/// bands of about a million pixels. The bits do not depend on the number of threads.
+/// @throws Error{kInterrupted} after a signal.
+void stream_rendering(const raster::Renderer& renderer, const Background& background,
+                      image::RowWriter& writer);
+
+/// The whole rendering in memory.
+image::Image render_whole(const document::FrameModel& model, const raster::RenderOptions& options);
+
+/// A picture file, or the given frame of a document at its own size.
+image::Image load_picture(const std::filesystem::path& path, std::uint64_t frame);
+
+}  // namespace knotreel::cli

@@ -1,0 +1,156 @@
+#include <cmath>
+#include <memory>
+
+#include "cli/command.h"
+#include "cli/parse.h"
+#include "cli/pictures.h"
+#include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
+
+namespace knotreel::cli {
+namespace {
+
+constexpr int kMaxSide = 1'000'000;
+constexpr std::uint64_t kMaxOutputPixels = std::uint64_t{1} << 32;
+
+struct Arguments {
+  std::string input;
+  std::string output;
+  double scale = 1;
+  std::string size;
+  std::string crop;
+  std::uint64_t frame = 0;
+  std::string depth = "8";
+  std::string background;
+  std::string format;
+  bool aliased = false;
+  int threads = 0;
+};
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw Error(ErrorKind::kInvalidArgument, why);
+}
+
+Size whole_size(const Arguments& arguments, const document::SequenceInfo& info) {
+  if (!arguments.size.empty()) {
+    const Size size = parse_size("--size", arguments.size);
+    if (size.width > kMaxSide || size.height > kMaxSide) {
+      refuse("--size " + arguments.size + " is more than " + std::to_string(kMaxSide) + " pixels on a side");
+    }
+    return size;
+  }
+  if (!std::isfinite(arguments.scale) || arguments.scale <= 0) refuse("--scale takes a number above 0");
+  const double width = std::max(1.0, std::round(info.width * arguments.scale));
+  const double height = std::max(1.0, std::round(info.height * arguments.scale));
+  if (width > kMaxSide || height > kMaxSide) {
+    refuse("--scale gives more than " + std::to_string(kMaxSide) + " pixels on a side");
+  }
+  return {static_cast<int>(width), static_cast<int>(height)};
+}
+
+/// Size and crop, checked before anything is allocated for them.
+raster::RenderOptions render_options(const Arguments& arguments, const document::SequenceInfo& info) {
+  const Size whole = whole_size(arguments, info);
+  raster::RenderOptions options;
+  options.width = whole.width;
+  options.height = whole.height;
+  options.antialias = !arguments.aliased;
+  Size output = whole;
+  if (!arguments.crop.empty()) {
+    const Rect crop = parse_rect("--crop", arguments.crop);
+    if (crop.x > whole.width - crop.width || crop.y > whole.height - crop.height) {
+      refuse("--crop " + arguments.crop + " is not inside the picture of " + std::to_string(whole.width) +
+             "x" + std::to_string(whole.height) + " pixels");
+    }
+    options.crop_x = crop.x;
+    options.crop_y = crop.y;
+    options.crop_width = crop.width;
+    options.crop_height = crop.height;
+    output = {crop.width, crop.height};
+  }
+  if (std::uint64_t(output.width) * std::uint64_t(output.height) > kMaxOutputPixels) {
+    refuse("the output would have more than " + std::to_string(kMaxOutputPixels) + " pixels; use --crop");
+  }
+  return options;
+}
+
+void render(const Arguments& arguments) {
+  const ThreadCap cap(arguments.threads);
+  Background background;
+  if (!arguments.background.empty()) background = parse_colour("--background", arguments.background);
+  image::ImageFileSpec spec;
+  spec.samples = arguments.depth == "8"    ? image::SampleType::u8
+                 : arguments.depth == "16" ? image::SampleType::u16
+                                           : image::SampleType::f32;
+  if (!arguments.format.empty()) {
+    spec.format = image::format_of_extension(arguments.format);
+    if (!spec.format) refuse("--format does not know '" + arguments.format + "'");
+  }
+
+  document::Reader reader = open_document(arguments.input);
+  const raster::RenderOptions options = render_options(arguments, reader.info());
+  const raster::Renderer renderer(read_frame(reader, arguments.frame), options);
+  spec.width = renderer.width();
+  spec.height = renderer.height();
+  spec.channels = channels_on(background, renderer.channels());
+  const auto writer = image::open_image_writer(arguments.output, spec);
+  stream_rendering(renderer, background, *writer);
+  writer->finish();
+}
+
+constexpr const char* kFooter = R"(
+Memory does not grow with the size of the output, except for TIFF, JPEG, WebP and BMP.
+Examples:
+  knotreel render photo.tcb -o photo.png
+  knotreel render photo.tcb -o print.png --scale 16 --depth 16
+  knotreel render photo.tcb -o detail.png --scale 8 --crop 800,400,640,360
+  knotreel render photo.tcb -o - --format ppm --size 1920x1080 | other-program)";
+
+}  // namespace
+
+void add_render_command(CLI::App& program) {
+  CLI::App* command =
+      program.add_subcommand("render", "Draw a frame of a vector document as a picture of any size");
+  const auto arguments = std::make_shared<Arguments>();
+  command->add_option("FILE", arguments->input, "Vector document (.tcb); '-': standard input")
+      ->type_name("")
+      ->required();
+  command
+      ->add_option("-o,--output", arguments->output,
+                   "Picture to write; its name says the format: png, ppm, pgm, pam,\n"
+                   "pfm, tiff, jpg, webp, bmp. '-': standard output")
+      ->type_name("FILE")
+      ->required();
+  auto* scale = command->add_option("--scale", arguments->scale, "Output pixels per picture pixel, above 0")
+                    ->type_name("S")
+                    ->capture_default_str();
+  command
+      ->add_option("--size", arguments->size,
+                   "Size of the whole picture in output pixels, up to 1000000\non a side")
+      ->type_name("WxH")
+      ->excludes(scale);
+  command->add_option("--crop", arguments->crop, "Part to draw, in output pixels from the top left corner")
+      ->type_name("X,Y,W,H");
+  add_frame_option(*command, arguments->frame, "Frame of a sequence, counted from 0");
+  command
+      ->add_option("--depth", arguments->depth,
+                   "Bits per sample: 8 (all but pfm), 16 (png, ppm, pam, tiff) or\nfloat (pfm, tiff)")
+      ->check(CLI::IsMember({"8", "16", "float"}).description(""))
+      ->type_name("N")
+      ->capture_default_str();
+  command
+      ->add_option("--background", arguments->background,
+                   "Put a picture with alpha on this colour: black, white, #rrggbb\nor R,G,B. Without it, "
+                   "alpha is kept")
+      ->type_name("COLOUR");
+  command
+      ->add_option("--format", arguments->format,
+                   "Format if the name does not say it; for '-' it is png if not given")
+      ->type_name("NAME");
+  command->add_flag("--no-antialias", arguments->aliased, "Leave the edges of features jagged");
+  add_threads_option(*command, arguments->threads);
+  command->footer(kFooter);
+  command->callback([arguments] { render(*arguments); });
+}
+
+}  // namespace knotreel::cli

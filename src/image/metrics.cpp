@@ -1,0 +1,167 @@
+#include "knotreel/image/metrics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <string>
+#include <vector>
+
+#include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
+
+namespace knotreel::image {
+namespace {
+
+/// Sums of one row; rows are added up in order, so that the number of threads does not show.
+struct RowSums {
+  double length = 0;        // of the colour error
+  double squared = 0;       // colour error
+  double squared_8bit = 0;  // rounded samples, all channels
+};
+
+double rounded(float sample) {
+  return std::clamp(std::floor(double{sample} + 0.5), 0.0, 255.0);
+}
+
+RowSums sum_row(std::span<const float> a, std::span<const float> b, int channels, int colours) {
+  RowSums sums;
+  for (std::size_t i = 0; i < a.size(); i += std::size_t(channels)) {
+    double squared = 0;
+    for (std::size_t c = 0; c < std::size_t(channels); ++c) {
+      if (c < std::size_t(colours)) {
+        const double difference = double{a[i + c]} - double{b[i + c]};
+        squared += difference * difference;
+      }
+      const double difference_8bit = rounded(a[i + c]) - rounded(b[i + c]);
+      sums.squared_8bit += difference_8bit * difference_8bit;
+    }
+    sums.squared += squared;
+    sums.length += std::sqrt(squared);
+  }
+  return sums;
+}
+
+/// One value per pixel, row-major.
+struct Plane {
+  int width;
+  int height;
+  std::vector<double> values;
+  double* row(int y) { return values.data() + std::size_t(y) * std::size_t(width); }
+  const double* row(int y) const { return values.data() + std::size_t(y) * std::size_t(width); }
+};
+
+Plane luma(const Image& image) {
+  Plane plane{image.width, image.height, std::vector<double>(image.pixel_count())};
+  const bool grey = image.colour_channels() == 1;
+  parallel_for(std::size_t(image.height), [&](std::size_t y) {
+    const auto row = image.row(int(y));
+    double* out = plane.row(int(y));
+    for (std::size_t x = 0; x < std::size_t(image.width); ++x) {
+      const float* p = row.data() + x * std::size_t(image.channels);
+      out[x] = grey ? double{p[0]} : 0.299 * double{p[0]} + 0.587 * double{p[1]} + 0.114 * double{p[2]};
+    }
+  });
+  return plane;
+}
+
+/// Weights of the Gaussian window, largest odd size up to 11 that fits, summing to 1.
+std::vector<double> window(int available) {
+  const int size = std::min(11, available - (available % 2 == 0 ? 1 : 0));
+  std::vector<double> weights(std::size_t(std::max(size, 1)));
+  const double centre = double(weights.size() - 1) / 2;
+  for (std::size_t i = 0; i < weights.size(); ++i) {
+    const double distance = (double(i) - centre) / 1.5;
+    weights[i] = std::exp(-0.5 * distance * distance);
+  }
+  const double sum = std::accumulate(weights.begin(), weights.end(), 0.0);
+  for (double& weight : weights) weight /= sum;
+  return weights;
+}
+
+/// Weighted local sums of x, y, x^2, y^2 and xy.
+constexpr std::size_t kMoments = 5;
+
+/// Mean SSIM of one row of windows: the vertical sums of kMoments products first, then the horizontal ones.
+double ssim_row(const Plane& a, const Plane& b, int top, const std::vector<double>& vertical,
+                const std::vector<double>& horizontal) {
+  const auto width = std::size_t(a.width);
+  std::vector<double> columns(kMoments * width, 0.0);
+  for (std::size_t j = 0; j < vertical.size(); ++j) {
+    const double* p = a.row(top + int(j));
+    const double* q = b.row(top + int(j));
+    for (std::size_t x = 0; x < width; ++x) {
+      double* sums = columns.data() + kMoments * x;
+      const double wp = vertical[j] * p[x];
+      const double wq = vertical[j] * q[x];
+      sums[0] += wp;
+      sums[1] += wq;
+      sums[2] += wp * p[x];
+      sums[3] += wq * q[x];
+      sums[4] += wp * q[x];
+    }
+  }
+  constexpr double kC1 = (0.01 * 255) * (0.01 * 255);
+  constexpr double kC2 = (0.03 * 255) * (0.03 * 255);
+  const std::size_t windows = width - horizontal.size() + 1;
+  double sum = 0;
+  for (std::size_t x = 0; x < windows; ++x) {
+    double m[kMoments] = {};
+    for (std::size_t i = 0; i < horizontal.size(); ++i) {
+      const double* sums = columns.data() + kMoments * (x + i);
+      for (std::size_t k = 0; k < kMoments; ++k) m[k] += horizontal[i] * sums[k];
+    }
+    const double covariance = m[4] - m[0] * m[1];
+    const double variances = (m[2] - m[0] * m[0]) + (m[3] - m[1] * m[1]);
+    sum += (2 * m[0] * m[1] + kC1) * (2 * covariance + kC2) /
+           ((m[0] * m[0] + m[1] * m[1] + kC1) * (variances + kC2));
+  }
+  return sum / double(windows);
+}
+
+double mean_ssim(const Plane& a, const Plane& b) {
+  const std::vector<double> vertical = window(a.height);
+  const std::vector<double> horizontal = window(a.width);
+  std::vector<double> rows(std::size_t(a.height) - vertical.size() + 1);
+  parallel_for(rows.size(), [&](std::size_t y) { rows[y] = ssim_row(a, b, int(y), vertical, horizontal); });
+  return std::accumulate(rows.begin(), rows.end(), 0.0) / double(rows.size());
+}
+
+ImageMetrics compare_same_channels(const Image& a, const Image& b) {
+  std::vector<RowSums> rows(std::size_t(a.height));
+  parallel_for(rows.size(), [&](std::size_t y) {
+    rows[y] = sum_row(a.row(int(y)), b.row(int(y)), a.channels, a.colour_channels());
+  });
+  RowSums sums;
+  for (const RowSums& row : rows) {
+    sums.length += row.length;
+    sums.squared += row.squared;
+    sums.squared_8bit += row.squared_8bit;
+  }
+  const auto pixels = double(a.pixel_count());
+  ImageMetrics metrics;
+  metrics.mec = sums.length / pixels;
+  metrics.rmse = std::sqrt(sums.squared / (pixels * a.colour_channels())) / 255;
+  const double mean_squared = sums.squared_8bit / (pixels * a.channels);
+  metrics.psnr =
+      mean_squared == 0 ? std::numeric_limits<double>::infinity() : 10 * std::log10(255 * 255 / mean_squared);
+  metrics.ssim = mean_ssim(luma(a), luma(b));
+  return metrics;
+}
+
+}  // namespace
+
+ImageMetrics compare_images(const Image& a, const Image& b) {
+  if (a.width != b.width || a.height != b.height) {
+    throw Error(ErrorKind::kInvalidArgument, "the pictures differ in size: " + std::to_string(a.width) + "x" +
+                                                 std::to_string(a.height) + " and " +
+                                                 std::to_string(b.width) + "x" + std::to_string(b.height));
+  }
+  if (a.pixel_count() == 0) throw Error(ErrorKind::kInvalidArgument, "the pictures are empty");
+  if (a.channels == b.channels) return compare_same_channels(a, b);
+  const int colours = std::max(a.colour_channels(), b.colour_channels());
+  const int channels = colours + (a.has_alpha() || b.has_alpha() ? 1 : 0);
+  return compare_same_channels(widen_channels(a, channels), widen_channels(b, channels));
+}
+
+}  // namespace knotreel::image

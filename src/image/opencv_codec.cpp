@@ -1,0 +1,171 @@
+#include <cstdint>
+#include <opencv2/imgcodecs.hpp>
+
+#include "codec.h"
+#include "probe.h"
+#include "quiet.h"
+
+// The only file that knows OpenCV. See docs/decisions/0002-png-and-pnm-without-opencv.md for what is not
+// here.
+namespace knotreel::image {
+namespace {
+
+/// Position in our RGB(A) order of channel c in OpenCV's BGR(A); the exchange is its own inverse.
+int swapped(int c, int channels) {
+  return channels >= 3 && c < 3 ? 2 - c : c;
+}
+
+template <typename Stored>
+void copy_samples(const cv::Mat& mat, Image& image, double divisor) {
+  const int channels = image.channels;
+  for (int y = 0; y < image.height; ++y) {
+    const Stored* from = mat.ptr<Stored>(y);
+    float* to = image.row(y).data();
+    for (int x = 0; x < image.width; ++x, from += channels, to += channels) {
+      for (int c = 0; c < channels; ++c)
+        to[c] = static_cast<float>(double(from[swapped(c, channels)]) / divisor);
+    }
+  }
+}
+
+Decoded from_mat(const cv::Mat& mat) {
+  if (mat.channels() > 4) throw DecodeError("it has more than 4 channels");
+  Decoded decoded{make_image(mat.cols, mat.rows, mat.channels()), SampleType::u8};
+  switch (mat.depth()) {
+    case CV_8U:
+      copy_samples<std::uint8_t>(mat, decoded.image, 1);
+      break;
+    case CV_16U:
+      decoded.samples = SampleType::u16;
+      copy_samples<std::uint16_t>(mat, decoded.image, 257);
+      break;
+    case CV_32F:
+      decoded.samples = SampleType::f32;
+      copy_samples<float>(mat, decoded.image, 1.0 / 255);
+      break;
+    case CV_64F:
+      decoded.samples = SampleType::f32;
+      copy_samples<double>(mat, decoded.image, 1.0 / 255);
+      break;
+    default:
+      throw DecodeError("its kind of samples is not supported");
+  }
+  return decoded;
+}
+
+/// Most 32-bit BMP files have zeros, not alpha, in their fourth byte.
+Image without_empty_alpha(const Image& image) {
+  if (image.channels != 4) return image;
+  for (std::size_t i = 3; i < image.samples.size(); i += 4) {
+    if (image.samples[i] != 0) return image;
+  }
+  Image opaque = make_image(image.width, image.height, 3);
+  for (std::size_t i = 0; i < opaque.samples.size(); ++i)
+    opaque.samples[i] = image.samples[i / 3 * 4 + i % 3];
+  return opaque;
+}
+
+/// Collects the rows of a format that OpenCV only writes as a whole.
+class OpenCvWriter final : public CheckedRowWriter {
+ public:
+  OpenCvWriter(std::unique_ptr<OutputFile> file, const ImageFileSpec& spec)
+      : CheckedRowWriter(std::move(file), spec), mat_(spec.height, spec.width, type(spec)) {}
+
+ private:
+  static int type(const ImageFileSpec& spec) {
+    const int depth = spec.samples == SampleType::u8    ? CV_8U
+                      : spec.samples == SampleType::u16 ? CV_16U
+                                                        : CV_32F;
+    return CV_MAKETYPE(depth, spec.channels);
+  }
+
+  void write_row(std::span<const float> row) override {
+    const int channels = spec().channels;
+    for (std::size_t i = 0; i < row.size(); ++i) {
+      const int c = static_cast<int>(i % std::size_t(channels));
+      const std::size_t place = i - std::size_t(c) + std::size_t(swapped(c, channels));
+      switch (spec().samples) {
+        case SampleType::u8:
+          mat_.ptr<std::uint8_t>(rows_written())[place] = to_u8(row[i]);
+          break;
+        case SampleType::u16:
+          mat_.ptr<std::uint16_t>(rows_written())[place] = to_u16(row[i]);
+          break;
+        case SampleType::f32:
+          mat_.ptr<float>(rows_written())[place] = row[i] / 255.0F;
+          break;
+      }
+    }
+  }
+
+  void complete() override {
+    std::vector<unsigned char> encoded;
+    std::vector<int> options;
+    std::string extension;
+    switch (*spec().format) {
+      case ImageFormat::kJpeg:
+        extension = ".jpg";
+        options = {cv::IMWRITE_JPEG_QUALITY, 95};
+        break;
+      case ImageFormat::kTiff:
+        extension = ".tiff";
+        options = {cv::IMWRITE_TIFF_COMPRESSION, 5};  // LZW; the default for floats loses precision (LogLuv)
+        break;
+      case ImageFormat::kWebp:
+        extension = ".webp";
+        options = {cv::IMWRITE_WEBP_QUALITY, 101};  // above 100: lossless
+        break;
+      default:
+        extension = ".bmp";
+        break;
+    }
+    const auto fail = [&](const std::string& why) {
+      throw Error(ErrorKind::kOutput, "cannot write " + file().name() + ": " + why);
+    };
+    try {
+      const QuietStandardError quiet;
+      if (!cv::imencode(extension, mat_, encoded, options)) fail("the encoder refused the picture");
+    } catch (const cv::Exception& e) {
+      fail("the encoder refused the picture (" + e.err + ")");
+    }
+    file().write(std::as_bytes(std::span(encoded)));
+  }
+
+  cv::Mat mat_;
+};
+
+}  // namespace
+
+Decoded decode_with_opencv(std::span<const std::byte> file, ImageFormat format) {
+  const ProbedSize size = probe_size(file, format);
+  check_size(size.width, size.height);
+  // IMREAD_UNCHANGED keeps alpha but ignores the EXIF orientation; a JPEG has the latter and no alpha.
+  const int flags = format == ImageFormat::kJpeg ? int{cv::IMREAD_ANYCOLOR} | int{cv::IMREAD_ANYDEPTH}
+                                                 : int{cv::IMREAD_UNCHANGED};
+  try {
+    cv::Mat mat;
+    {
+      const QuietStandardError quiet;
+      const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8U, const_cast<std::byte*>(file.data()));
+      mat = cv::imdecode(bytes, flags);
+    }
+    if (mat.empty()) throw DecodeError("the file is damaged or cut short");
+    check_size(std::uint64_t(mat.cols), std::uint64_t(mat.rows));
+    Decoded decoded = from_mat(mat);
+    if (format == ImageFormat::kBmp) decoded.image = without_empty_alpha(decoded.image);
+    return decoded;
+  } catch (const cv::Exception& e) {
+    if (e.code == cv::Error::StsNoMem) throw std::bad_alloc();
+    throw DecodeError("the file is damaged (" + e.err + ")");
+  }
+}
+
+std::unique_ptr<RowWriter> make_opencv_writer(std::unique_ptr<OutputFile> file, const ImageFileSpec& spec) {
+  try {
+    return std::make_unique<OpenCvWriter>(std::move(file), spec);
+  } catch (const cv::Exception&) {
+    throw std::bad_alloc();
+  }
+}
+
+}  // namespace knotreel::image

@@ -1,0 +1,123 @@
+#include "probe.h"
+
+#include <cstdlib>
+
+#include "codec.h"
+
+namespace knotreel::image {
+namespace {
+
+/// Bounds-checked integers at byte offsets.
+class Bytes {
+ public:
+  explicit Bytes(std::span<const std::byte> file) : file_(file) {}
+
+  std::uint32_t u8(std::size_t at) const {
+    if (at >= file_.size()) throw DecodeError("the file is cut short");
+    return std::to_integer<std::uint32_t>(file_[at]);
+  }
+  std::uint32_t le16(std::size_t at) const { return u8(at) | u8(at + 1) << 8; }
+  std::uint32_t be16(std::size_t at) const { return u8(at) << 8 | u8(at + 1); }
+  std::uint32_t le24(std::size_t at) const { return le16(at) | u8(at + 2) << 16; }
+  std::uint32_t le32(std::size_t at) const { return le16(at) | le16(at + 2) << 16; }
+  std::uint32_t be32(std::size_t at) const { return be16(at) << 16 | be16(at + 2); }
+  std::size_t size() const { return file_.size(); }
+
+ private:
+  std::span<const std::byte> file_;
+};
+
+[[noreturn]] void damaged() {
+  throw DecodeError("its header is damaged");
+}
+
+bool has_end_marker(const Bytes& bytes, std::size_t from) {
+  for (std::size_t at = bytes.size() - 1; at > from; --at) {
+    if (bytes.u8(at - 1) == 0xff && bytes.u8(at) == 0xd9) return true;
+  }
+  return false;
+}
+
+/// ITU-T T.81 annex B: segments of marker and length up to the first scan.
+ProbedSize probe_jpeg(const Bytes& bytes) {
+  ProbedSize size;
+  std::size_t at = 2;
+  while (true) {
+    if (bytes.u8(at) != 0xff) damaged();
+    while (bytes.u8(at + 1) == 0xff) ++at;  // fill bytes
+    const std::uint32_t marker = bytes.u8(at + 1);
+    at += 2;
+    if (marker == 0x01 || (marker >= 0xd0 && marker <= 0xd7)) continue;  // no length
+    if (marker == 0xd9) damaged();                                       // ends before a scan
+    const std::uint32_t length = bytes.be16(at);
+    if (length < 2) damaged();
+    const bool start_of_frame =
+        marker >= 0xc0 && marker <= 0xcf && marker != 0xc4 && marker != 0xc8 && marker != 0xcc;
+    if (start_of_frame) size = {bytes.be16(at + 5), bytes.be16(at + 3)};
+    at += length;
+    if (marker == 0xda) break;
+  }
+  if (size.width == 0) damaged();
+  if (!has_end_marker(bytes, at)) throw DecodeError("the file is cut short");
+  return size;
+}
+
+/// TIFF 6.0: tags 256 and 257 of the first directory.
+ProbedSize probe_tiff(const Bytes& bytes) {
+  const bool little = bytes.u8(0) == 'I';
+  const auto u16 = [&](std::size_t at) { return little ? bytes.le16(at) : bytes.be16(at); };
+  const auto u32 = [&](std::size_t at) { return little ? bytes.le32(at) : bytes.be32(at); };
+  const std::size_t directory = u32(4);
+  ProbedSize size;
+  for (std::size_t i = 0; i < u16(directory); ++i) {
+    const std::size_t entry = directory + 2 + 12 * i;
+    constexpr std::uint32_t kShort = 3;
+    const std::uint32_t value = u16(entry + 2) == kShort ? u16(entry + 8) : u32(entry + 8);
+    if (u16(entry) == 256) size.width = value;
+    if (u16(entry) == 257) size.height = value;
+  }
+  return size;
+}
+
+/// RFC 9649: the first chunk is VP8, VP8L or VP8X.
+ProbedSize probe_webp(const Bytes& bytes) {
+  switch (bytes.be32(12)) {
+    case 0x56503820:  // "VP8 "
+      return {bytes.le16(26) & 0x3fff, bytes.le16(28) & 0x3fff};
+    case 0x5650384c: {  // "VP8L"
+      const std::uint32_t bits = bytes.le32(21);
+      return {(bits & 0x3fff) + 1, (bits >> 14 & 0x3fff) + 1};
+    }
+    case 0x56503858:  // "VP8X"
+      return {bytes.le24(24) + 1, bytes.le24(27) + 1};
+    default:
+      damaged();
+  }
+}
+
+ProbedSize probe_bmp(const Bytes& bytes) {
+  constexpr std::uint32_t kCoreHeader = 12;
+  if (bytes.le32(14) == kCoreHeader) return {bytes.le16(18), bytes.le16(20)};
+  const auto height = static_cast<std::int32_t>(bytes.le32(22));  // negative: top row first
+  return {bytes.le32(18), static_cast<std::uint64_t>(std::llabs(height))};
+}
+
+}  // namespace
+
+ProbedSize probe_size(std::span<const std::byte> file, ImageFormat format) {
+  const Bytes bytes(file);
+  switch (format) {
+    case ImageFormat::kJpeg:
+      return probe_jpeg(bytes);
+    case ImageFormat::kTiff:
+      return probe_tiff(bytes);
+    case ImageFormat::kWebp:
+      return probe_webp(bytes);
+    case ImageFormat::kBmp:
+      return probe_bmp(bytes);
+    default:
+      damaged();
+  }
+}
+
+}  // namespace knotreel::image

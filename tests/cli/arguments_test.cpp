@@ -1,0 +1,97 @@
+#include "program.h"
+
+namespace knotreel {
+namespace {
+
+using test::expect_failure;
+using test::expect_success;
+using test::Sample;
+
+TEST(Cli, HelpIsAnAnswerAndTellsTheExitCodes) {
+  const auto result = test::knotreel({"--help"});
+  expect_success(result);
+  for (const char* text : {"vectorize", "render", "info", "dump", "compare", "Examples", "130 interrupted"}) {
+    EXPECT_NE(result.out.find(text), std::string::npos) << text;
+  }
+}
+
+TEST(Cli, EveryCommandHasHelpWithAnExample) {
+  for (const std::string command : {"vectorize", "render", "info", "dump", "compare"}) {
+    const auto result = test::knotreel({command, "--help"});
+    expect_success(result);
+    EXPECT_NE(result.out.find("knotreel " + command), std::string::npos) << command;
+    std::size_t longest = 0;
+    for (std::size_t start = 0, end; (end = result.out.find('\n', start)) != std::string::npos;
+         start = end + 1) {
+      longest = std::max(longest, end - start);
+    }
+    EXPECT_LE(longest, 110u) << command;
+  }
+}
+
+TEST(Cli, VersionNamesTheLibraries) {
+  const auto result = test::knotreel({"--version"});
+  expect_success(result);
+  EXPECT_TRUE(result.out.starts_with("knotreel " KNOTREEL_VERSION " (")) << result.out;
+  for (const char* library : {"OpenCV", "CGAL", "Eigen", "oneTBB", "libpng", "zstd"}) {
+    EXPECT_NE(result.out.find(library), std::string::npos) << library;
+  }
+}
+
+TEST(Cli, WrongUsageIsExit2) {
+  const std::vector<std::vector<std::string>> cases{
+      {},
+      {"frobnicate"},
+      {"--bogus"},
+      {"render"},
+      {"render", "x.tcb"},
+      {"render", "x.tcb", "-o", "x.png", "--scale", "2", "--size", "3x3"},
+      {"render", "x.tcb", "-o", "x.png", "--depth", "9"},
+      {"render", "x.tcb", "-o", "x.png", "--frame", "-1"},
+      {"render", "x.tcb", "-o", "x.png", "--threads", "-1"},
+      {"render", "x.tcb", "-o", "x.png", "--background", "mauve"},
+      {"render", "x.tcb", "-o", "x.png", "--background", "1,2,256"},
+      {"render", "x.tcb", "-o", "x.png", "--background", "#12345g"},
+      {"render", "x.tcb", "-o", "x.png", "--format", "docx"},
+      {"compare", "x.png"},
+      {"vectorize", "x.png"},
+      {"vectorize", "x.png", "-o", "x.tcb", "--degree", "4"},
+      {"vectorize", "x.png", "-o", "x.tcb", "--seed", "-1"},
+  };
+  for (const auto& arguments : cases) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    expect_failure(test::knotreel(arguments), 2);
+  }
+}
+
+TEST(Cli, WrongValuesForARealFileAreExit2) {
+  const Sample sample;
+  const std::vector<std::vector<std::string>> cases{
+      {"render", "--scale", "0"},        {"render", "--scale", "nan"},
+      {"render", "--scale", "1e9"},      {"render", "--size", "0x5"},
+      {"render", "--size", "5"},         {"render", "--size", "5x5x5"},
+      {"render", "--size", "2000000x1"}, {"render", "--crop", "1,2,3"},
+      {"render", "--crop", "60,0,5,5"},  {"render", "--crop", "-1,0,5,5"},
+      {"render", "--crop", "0,0,0,5"},   {"render", "--size", "1000000x1000000"},
+      {"render", "--frame", "1"},        {"render", "--depth", "float"},
+  };
+  for (auto arguments : cases) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    arguments.insert(arguments.begin() + 1, {sample.document, "-o", sample.path("out.png")});
+    expect_failure(test::knotreel(arguments), 2);
+  }
+  for (const std::string count : {"0", "-5", "many", "0%", "101%", "%", "5 %"}) {
+    expect_failure(test::knotreel({"vectorize", sample.picture, "-o", sample.path("out.tcb"),
+                                   "--control-points", count}),
+                   2);
+  }
+  expect_failure(test::knotreel({"render", sample.document, "-o", sample.path("out.xyz")}), 2);
+  EXPECT_EQ(sample.dir.entries(), 2u) << "no output may be left";
+}
+
+TEST(Cli, NamesWithLineBreaksStillGiveOneLine) {
+  expect_failure(test::knotreel({"info", "a\nb\x1b[31m.png"}), 3);
+}
+
+}  // namespace
+}  // namespace knotreel

@@ -1,0 +1,111 @@
+#include <csignal>
+
+#include "program.h"
+
+namespace knotreel {
+namespace {
+
+using test::expect_failure;
+using test::expect_success;
+using test::read_text;
+using test::Sample;
+using test::TempDir;
+using test::write_text;
+
+TEST(CliInput, UnreadableInputsAreExit3) {
+  const Sample sample;
+  const std::string picture = read_text(sample.picture);
+  const std::string document = read_text(sample.document);
+  write_text(sample.dir / "empty.png", "");
+  write_text(sample.dir / "garbage.png", std::string(1000, 'x'));
+  write_text(sample.dir / "short.png", picture.substr(0, picture.size() / 2));
+  write_text(sample.dir / "empty.tcb", "");
+  write_text(sample.dir / "garbage.tcb", std::string(1000, 'x'));
+  for (const std::string name : {"missing.png", "empty.png", "garbage.png", "short.png", "."}) {
+    SCOPED_TRACE(name);
+    const std::string path = sample.path(name);
+    expect_failure(test::knotreel({"vectorize", path, "-o", sample.path("out.tcb")}), 3);
+    expect_failure(test::knotreel({"compare", path, sample.picture}), 3);
+    expect_failure(test::knotreel({"compare", sample.document, path}), 3);
+    expect_failure(test::knotreel({"info", path}), 3);
+  }
+  for (const std::string name : {"missing.tcb", "empty.tcb", "garbage.tcb", "in.png", "."}) {
+    SCOPED_TRACE(name);
+    expect_failure(test::knotreel({"render", sample.path(name), "-o", sample.path("out.png")}), 3);
+    expect_failure(test::knotreel({"dump", sample.path(name)}), 3);
+    if (name != "in.png") expect_failure(test::knotreel({"info", sample.path(name)}), 3);
+  }
+  EXPECT_EQ(sample.dir.entries(), 7u) << "no output may be left";
+}
+
+TEST(CliInput, PicturesOfDifferentSizeAreExit2) {
+  const TempDir dir;
+  image::write_image(dir / "a.png", image::make_image(3, 4, 3));
+  image::write_image(dir / "b.png", image::make_image(4, 3, 3));
+  expect_failure(test::knotreel({"compare", (dir / "a.png").string(), (dir / "b.png").string()}), 2);
+}
+
+TEST(CliOutput, UnwritableOutputsAreExit4AndLeaveNothing) {
+  const Sample sample;
+  for (const std::string& output : {sample.path("missing/out.png"), std::string("/proc/out.png")}) {
+    SCOPED_TRACE(output);
+    expect_failure(test::knotreel({"render", sample.document, "-o", output}), 4);
+    expect_failure(test::knotreel({"vectorize", sample.picture, "-o", output}), 4);
+  }
+  expect_failure(test::knotreel({"render", sample.document, "-o", sample.dir.path(), "--format", "png"}), 4);
+  expect_failure(test::knotreel({"vectorize", sample.picture, "-o", sample.dir.path()}), 4);
+  EXPECT_EQ(sample.dir.entries(), 2u);
+}
+
+TEST(CliOutput, AFullDiskIsExit4) {
+  const Sample sample;
+  for (const std::string format : {"png", "ppm", "pam", "jpg"}) {
+    SCOPED_TRACE(format);
+    expect_failure(test::knotreel({"render", sample.document, "-o", "/dev/full", "--format", format}), 4);
+    expect_failure(test::knotreel({"render", sample.document, "-o", "-", "--format", format},
+                                  {.output_file = "/dev/full"}),
+                   4);
+  }
+  const std::vector<std::vector<std::string>> commands{{"--help"},
+                                                       {"--version"},
+                                                       {"info", sample.document},
+                                                       {"dump", sample.document},
+                                                       {"compare", sample.picture, sample.document}};
+  for (const auto& command : commands) {
+    SCOPED_TRACE(testing::PrintToString(command));
+    expect_failure(test::knotreel(command, {.output_file = "/dev/full"}), 4);
+  }
+}
+
+TEST(CliOutput, AClosedPipeIsExit4WithoutAWord) {
+  const Sample sample;
+  const auto result =
+      test::knotreel({"render", sample.document, "-o", "-", "--format", "ppm", "--size", "2000x2000"},
+                     {.close_output_after = 1000});
+  EXPECT_EQ(result.exit_code, 4);
+  EXPECT_EQ(result.err, "");
+}
+
+TEST(CliOutput, AFailureKeepsTheOldFile) {
+  const Sample sample;
+  write_text(sample.dir / "out.png", "old");
+  expect_failure(test::knotreel({"render", sample.path("missing.tcb"), "-o", sample.path("out.png")}), 3);
+  expect_failure(test::knotreel({"render", sample.document, "-o", sample.path("out.png"), "--frame", "9"}),
+                 2);
+  EXPECT_EQ(read_text(sample.dir / "out.png"), "old");
+}
+
+TEST(CliInterrupt, IsExit130AndTheOutputIsRemoved) {
+  const Sample sample;
+  for (const int signal : {SIGINT, SIGTERM}) {
+    // Large enough for many seconds; the signal comes as soon as the output has been opened.
+    const auto result =
+        test::knotreel({"render", sample.document, "-o", sample.path("out.png"), "--size", "40000x40000"},
+                       {.signal_once = sample.dir / "out.png", .signal = signal});
+    expect_failure(result, 130);
+    EXPECT_EQ(sample.dir.entries(), 2u);
+  }
+}
+
+}  // namespace
+}  // namespace knotreel

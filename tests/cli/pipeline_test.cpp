@@ -1,0 +1,236 @@
+#include <nlohmann/json.hpp>
+
+#include "knotreel/image/metrics.h"
+#include "knotreel/image/read_image.h"
+#include "program.h"
+
+namespace knotreel {
+namespace {
+
+using nlohmann::json;
+using test::expect_success;
+using test::read_text;
+using test::Sample;
+
+double json_psnr(const json& figures) {
+  return figures["psnr"].is_null() ? INFINITY : figures["psnr"].get<double>();
+}
+
+class CliChannels : public testing::TestWithParam<int> {};
+
+TEST_P(CliChannels, VectorizeThenRenderIsCloseToThePicture) {
+  const Sample sample(GetParam());
+  expect_success(test::knotreel({"render", sample.document, "-o", sample.path("out.png")}));
+  const image::Image before = image::read_image(sample.picture);
+  const image::Image after = image::read_image(sample.path("out.png"));
+  ASSERT_EQ(after.channels, GetParam());
+  EXPECT_GT(image::compare_images(before, after).psnr, 30);
+}
+
+INSTANTIATE_TEST_SUITE_P(GreyToRgba, CliChannels, testing::Values(1, 2, 3, 4));
+
+TEST(CliVectorize, IsTheSameForEveryThreadCount) {
+  const Sample sample;
+  for (const std::string threads : {"1", "2", "5"}) {
+    const std::string output = sample.path("threads.tcb");
+    expect_success(test::knotreel({"vectorize", sample.picture, "-o", output, "--threads", threads}));
+    EXPECT_EQ(read_text(output), read_text(sample.document));
+  }
+}
+
+TEST(CliVectorize, ReadsStandardInput) {
+  const Sample sample;
+  expect_success(test::knotreel({"vectorize", "-", "-o", sample.path("stdin.tcb")},
+                                {.input = read_text(sample.picture)}));
+  EXPECT_EQ(read_text(sample.path("stdin.tcb")), read_text(sample.document));
+}
+
+TEST(CliVectorize, MoreControlPointsGiveMore) {
+  const Sample sample;
+  const auto count = [&](const std::string& wanted) {
+    const std::string stats = sample.path("stats.json");
+    expect_success(test::knotreel({"vectorize", sample.picture, "-o", sample.path("n.tcb"),
+                                   "--control-points", wanted, "--stats", stats}));
+    return json::parse(read_text(stats))["control_points"].get<int>();
+  };
+  const int few = count("100");
+  const int many = count("20%");  // of 2560 pixels
+  EXPECT_NEAR(few, 100, 60);
+  EXPECT_NEAR(many, 512, 200);
+}
+
+TEST(CliVectorize, StatsHoldFiguresAndSeconds) {
+  const Sample sample;
+  const auto result = test::knotreel(
+      {"vectorize", sample.picture, "-o", sample.path("s.tcb"), "--stats", "-", "--degree", "1"});
+  expect_success(result);
+  const json stats = json::parse(result.out);
+  EXPECT_EQ(stats["degree"], 1);
+  EXPECT_EQ(stats["file_bytes"], std::filesystem::file_size(sample.path("s.tcb")));
+  EXPECT_GT(json_psnr(stats), 25);
+  for (const char* stage : {"decode", "fit", "write", "measure"})
+    EXPECT_GE(stats["seconds"][stage], 0.0) << stage;
+}
+
+TEST(CliRender, SizeScaleAndCropSayTheSizeOfTheOutput) {
+  const Sample sample;  // 64 x 40
+  const auto size = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments{"render", sample.document, "-o", sample.path("o.png")};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    expect_success(test::knotreel(arguments));
+    const image::Image image = image::read_image(sample.path("o.png"));
+    return std::pair(image.width, image.height);
+  };
+  EXPECT_EQ(size({}), std::pair(64, 40));
+  EXPECT_EQ(size({"--scale", "2.5"}), std::pair(160, 100));
+  EXPECT_EQ(size({"--scale", "0.001"}), std::pair(1, 1));
+  EXPECT_EQ(size({"--size", "100x30"}), std::pair(100, 30));
+  EXPECT_EQ(size({"--scale", "4", "--crop", "10,20,30,7"}), std::pair(30, 7));
+}
+
+TEST(CliRender, ACropIsAPartOfTheWhole) {
+  const Sample sample;
+  expect_success(test::knotreel({"render", sample.document, "-o", sample.path("w.png"), "--scale", "4"}));
+  expect_success(test::knotreel(
+      {"render", sample.document, "-o", sample.path("c.png"), "--scale", "4", "--crop", "33,17,50,41"}));
+  const image::Image whole = image::read_image(sample.path("w.png"));
+  const image::Image crop = image::read_image(sample.path("c.png"));
+  double largest = 0;
+  for (int y = 0; y < 41; ++y) {
+    for (int x = 0; x < 50; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        largest = std::max(largest, std::abs(double{whole.at(x + 33, y + 17, c)} - double{crop.at(x, y, c)}));
+      }
+    }
+  }
+  EXPECT_LE(largest, 1);
+}
+
+TEST(CliRender, IsTheSameForEveryThreadCount) {
+  const Sample sample;
+  std::string first;
+  for (const std::string threads : {"1", "2", "7"}) {
+    const auto result = test::knotreel({"render", sample.document, "-o", "-", "--format", "ppm", "--size",
+                                        "1500x900", "--threads", threads});
+    expect_success(result);
+    if (first.empty()) first = result.out;
+    EXPECT_TRUE(result.out == first) << threads;
+  }
+}
+
+TEST(CliRender, DepthsAgree) {
+  const Sample sample;
+  const auto render = [&](const std::string& name, const std::string& depth) {
+    expect_success(test::knotreel({"render", sample.document, "-o", sample.path(name), "--depth", depth}));
+    return image::read_image(sample.path(name));
+  };
+  const image::Image floats = render("f.pfm", "float");
+  EXPECT_LE(test::largest_difference(floats, render("a.png", "8")), 0.5001);
+  EXPECT_LE(test::largest_difference(floats, render("b.png", "16")), 0.51 / 257);
+  EXPECT_LE(test::largest_difference(floats, render("c.tiff", "float")), 1e-4);
+}
+
+TEST(CliRender, StandardOutputHoldsTheSamePicture) {
+  const Sample sample;
+  expect_success(test::knotreel({"render", sample.document, "-o", sample.path("file.png")}));
+  const auto result = test::knotreel({"render", sample.document, "-o", "-"});
+  expect_success(result);
+  EXPECT_EQ(result.out, read_text(sample.path("file.png")));
+}
+
+TEST(CliRender, DocumentsGoThroughPipes) {
+  const Sample sample;
+  const auto document = test::knotreel({"vectorize", "-", "-o", "-"}, {.input = read_text(sample.picture)});
+  expect_success(document);
+  EXPECT_EQ(document.out, read_text(sample.document));
+  const auto piped = test::knotreel({"render", "-", "-o", "-"}, {.input = document.out});
+  const auto direct = test::knotreel({"render", sample.document, "-o", "-"});
+  expect_success(piped);
+  EXPECT_EQ(piped.out, direct.out);
+}
+
+TEST(CliRender, MemoryDoesNotGrowWithTheOutput) {
+  const Sample sample;
+  const auto peak = [&](const std::string& size) {
+    const auto result =
+        test::knotreel({"render", sample.document, "-o", "/dev/null", "--format", "ppm", "--size", size});
+    expect_success(result);
+    return double(result.peak_memory_bytes);
+  };
+  // As floats, the larger one is 300 MB; both hold two bands of 12 MB.
+  EXPECT_LT(peak("5000x5000") - peak("1500x1500"), 16e6);
+}
+
+TEST(CliRender, ABackgroundReplacesTheAlpha) {
+  const test::TempDir dir;
+  image::Image clear = image::make_image(40, 40, 4);
+  for (std::size_t i = 0; i < clear.samples.size(); i += 4) {
+    clear.samples[i] = 200;
+    clear.samples[i + 3] = 127.5F;
+  }
+  const std::string document = (dir / "d.tcb").string();
+  const std::string output = (dir / "o.png").string();
+  image::write_image(dir / "clear.png", clear);
+  expect_success(test::knotreel({"vectorize", (dir / "clear.png").string(), "-o", document}));
+  expect_success(test::knotreel({"render", document, "-o", output, "--background", "#0064ff"}));
+  const image::Image image = image::read_image(output);
+  ASSERT_EQ(image.channels, 3);
+  EXPECT_NEAR(image.at(20, 20, 0), 100, 2);
+  EXPECT_NEAR(image.at(20, 20, 1), 50, 2);
+  EXPECT_NEAR(image.at(20, 20, 2), 127, 2);
+}
+
+TEST(CliCompare, JsonHoldsTheFiguresOfTheLibrary) {
+  const test::TempDir dir;
+  const image::Image a = test::random_8bit_picture(30, 20, 3, 1);
+  const image::Image b = test::random_8bit_picture(30, 20, 3, 2);
+  image::write_image(dir / "a.png", a);
+  image::write_image(dir / "b.png", b);
+  const auto result =
+      test::knotreel({"compare", (dir / "a.png").string(), (dir / "b.png").string(), "--json"});
+  expect_success(result);
+  const json figures = json::parse(result.out);
+  const image::ImageMetrics expected = image::compare_images(a, b);
+  EXPECT_DOUBLE_EQ(figures["mec"], expected.mec);
+  EXPECT_DOUBLE_EQ(figures["rmse"], expected.rmse);
+  EXPECT_DOUBLE_EQ(figures["psnr"], expected.psnr);
+  EXPECT_DOUBLE_EQ(figures["ssim"], expected.ssim);
+  const auto same = test::knotreel({"compare", (dir / "a.png").string(), (dir / "a.png").string(), "--json"});
+  EXPECT_TRUE(json::parse(same.out)["psnr"].is_null());
+}
+
+TEST(CliInfo, TellsAboutDocumentsAndPictures) {
+  const Sample sample;
+  const auto document = test::knotreel({"info", sample.document, "--json"});
+  expect_success(document);
+  const json info = json::parse(document.out);
+  EXPECT_EQ(info["kind"], "document");
+  EXPECT_EQ(info["width"], 64);
+  EXPECT_EQ(info["height"], 40);
+  EXPECT_EQ(info["channels"], 3);
+  EXPECT_EQ(info["degree"], 2);
+  EXPECT_EQ(info["complete"], true);
+  EXPECT_EQ(info["frames"].size(), 1u);
+  EXPECT_EQ(info["file_bytes"], std::filesystem::file_size(sample.document));
+  EXPECT_GT(info["control_points"], 0);
+
+  const auto picture = test::knotreel({"info", sample.picture, "--json"});
+  expect_success(picture);
+  EXPECT_EQ(json::parse(picture.out)["format"], "PNG");
+  expect_success(test::knotreel({"info", sample.document}));
+  expect_success(test::knotreel({"info", sample.picture}));
+}
+
+TEST(CliDump, IsJson) {
+  const Sample sample;
+  const auto result = test::knotreel({"dump", sample.document, "--frame", "0"});
+  expect_success(result);
+  const json frame = json::parse(result.out);
+  EXPECT_EQ(frame["degree"], 2);
+  EXPECT_EQ(frame["width"], 64);
+  expect_success(test::knotreel({"dump", sample.document, "-o", sample.path("dump.json")}));
+  EXPECT_EQ(read_text(sample.path("dump.json")), result.out);
+}
+
+}  // namespace
+}  // namespace knotreel

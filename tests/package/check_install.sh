@@ -1,0 +1,23 @@
+#!/usr/bin/env bash
+# check_install.sh BUILD_FOLDER WORK_FOLDER CMAKE CXX: installs, moves the tree, builds and runs the consumer twice.
+set -euo pipefail
+build=$1 work=$2 cmake=$3 cxx=$4
+source_dir=$(cd "$(dirname "$0")" && pwd)
+
+rm -rf "$work/first" "$work/moved" "$work/consumer"
+mkdir -p "$work"
+"$cmake" --install "$build" --prefix "$work/first" > "$work/install.log"
+mv "$work/first" "$work/moved"  # nothing may remember where it was installed
+
+"$work/moved/bin/knotreel" --version
+
+"$cmake" -S "$source_dir/consumer" -B "$work/consumer" -G Ninja -DCMAKE_BUILD_TYPE=Release \
+  -DCMAKE_CXX_COMPILER="$cxx" -DCMAKE_PREFIX_PATH="$work/moved"
+"$cmake" --build "$work/consumer"
+"$work/consumer/consumer"
+
+PKG_CONFIG_PATH=$(dirname "$(find "$work/moved" -name knotreel.pc)")
+export PKG_CONFIG_PATH
+# shellcheck disable=SC2046  # flags are words
+"$cxx" -std=c++20 -o "$work/by-pkg-config" "$source_dir/consumer/main.cpp" $(pkg-config --cflags --libs knotreel)
+"$work/by-pkg-config"

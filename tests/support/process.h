@@ -1,0 +1,29 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace knotreel::test {
+
+/// How to run a program; see run().
+struct ProcessOptions {
+  std::string input = {};                  ///< given to its standard input
+  std::filesystem::path output_file = {};  ///< its standard output goes there; empty: it is captured
+  std::size_t close_output_after = 0;  ///< bytes of standard output after which the pipe is closed; 0: never
+  std::filesystem::path signal_once =
+      {};  ///< send `signal` as soon as a file with a name that begins so exists
+  int signal = 0;
+};
+
+struct ProcessResult {
+  int exit_code = -1;  ///< 128 + signal if a signal ended it
+  std::string out;
+  std::string err;
+  std::size_t peak_memory_bytes = 0;  ///< largest resident set
+};
+
+/// Runs a program and waits for it, at most 60 s; then it is killed and the exit code is 137.
+ProcessResult run(const std::vector<std::string>& command, const ProcessOptions& options = {});
+
+}  // namespace knotreel::test
