@@ -467,7 +467,9 @@ void build_functions(Topology& t, IndependentModel& model) {
   }
   for (int level = 0; level < model.degree - 1; ++level) {
     Family next;
-    for (auto& [j, edges] : links(family)) {
+    for (auto& link : links(family)) {
+      const std::vector<int>& j = link.first;
+      std::vector<Edge>& edges = link.second;
       close_chains(j, multiple, edges);
       for (std::vector<int>& loop : loops(edges)) {
         const auto copy = std::find_if(loop.begin(), loop.end(), [&](int c) {

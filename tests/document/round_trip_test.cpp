@@ -69,7 +69,6 @@ TEST(Document, KeepsItsBytesWhenReadAndWrittenAgain) {
 }
 
 TEST(Document, DoesNotDependOnTheOrderOfTheModel) {
-  document::EncodeOptions options;
   for (const testing::MeshCase& c : all_cases()) {
     SCOPED_TRACE(c.to_text());
     for (int degree = 1; degree <= 2; ++degree) {
