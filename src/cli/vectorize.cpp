@@ -60,7 +60,7 @@ Stored encode(const image::Image& image, const document::FrameModel& model) {
   info.channels = image.channels;
   info.degree = model.space->degree();
   std::ostringstream bytes;
-  document::Writer writer(bytes, info);
+  document::Writer writer(bytes, info, {.rename_knots = true});
   document::FrameModel stored = writer.append(model);
   writer.finish();
   return {std::move(bytes).str(), std::move(stored)};

@@ -15,16 +15,29 @@ std::uint64_t undirected_key(const std::vector<Face>& faces, std::uint32_t h) {
 }  // namespace
 
 std::vector<std::uint32_t> sorted_half_edges(const std::vector<Face>& faces) {
+  // Counted into buckets of equal smaller knot, each of which is small.
   struct Keyed {
-    std::uint64_t key;
+    KnotIndex larger;
     std::uint32_t half_edge;
   };
-  std::vector<Keyed> keyed(3 * faces.size());
-  for (std::uint32_t h = 0; h < keyed.size(); ++h) keyed[h] = {undirected_key(faces, h), h};
-  std::sort(keyed.begin(), keyed.end(), [](const Keyed& a, const Keyed& b) {
-    return a.key != b.key ? a.key < b.key : a.half_edge < b.half_edge;
-  });
-  std::vector<std::uint32_t> order(keyed.size());
+  const auto count = static_cast<std::uint32_t>(3 * faces.size());
+  KnotIndex last = 0;
+  for (const Face& f : faces) last = std::max({last, f[0], f[1], f[2]});
+  std::vector<std::uint32_t> begin(static_cast<std::size_t>(last) + 2, 0);
+  for (std::uint32_t h = 0; h < count; ++h) ++begin[std::min(origin(faces, h), target(faces, h)) + 1];
+  for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
+  std::vector<Keyed> keyed(count);
+  std::vector<std::uint32_t> cursor(begin.begin(), begin.end() - 1);
+  for (std::uint32_t h = 0; h < count; ++h) {
+    const auto [lo, hi] = std::minmax({origin(faces, h), target(faces, h)});
+    keyed[cursor[lo]++] = {hi, h};
+  }
+  for (std::size_t k = 0; k + 1 < begin.size(); ++k) {
+    std::sort(keyed.begin() + begin[k], keyed.begin() + begin[k + 1], [](const Keyed& a, const Keyed& b) {
+      return a.larger != b.larger ? a.larger < b.larger : a.half_edge < b.half_edge;
+    });
+  }
+  std::vector<std::uint32_t> order(count);
   std::transform(keyed.begin(), keyed.end(), order.begin(), [](const Keyed& k) { return k.half_edge; });
   return order;
 }

@@ -230,11 +230,13 @@ Defect find_face_defect(const KnotMesh& mesh) {
     if (CGAL::orientation(point(a), point(b), point(c)) != CGAL::POSITIVE) {
       return "face " + std::to_string(f) + " is flipped or flat";
     }
-    for (const std::uint32_t s : lines[a]) {
-      const auto on = [s](const std::vector<std::uint32_t>& l) {
-        return std::find(l.begin(), l.end(), s) != l.end();
-      };
-      if (on(lines[b]) && on(lines[c])) return "face " + std::to_string(f) + " lies on one segment";
+    // The shortest list first: a star of many segments has one long list, and its faces have two short ones.
+    std::array<KnotIndex, 3> by_lines{a, b, c};
+    std::sort(by_lines.begin(), by_lines.end(),
+              [&](KnotIndex p, KnotIndex q) { return lines[p].size() < lines[q].size(); });
+    for (const std::uint32_t s : lines[by_lines[0]]) {
+      const auto on = [&](KnotIndex k) { return std::binary_search(lines[k].begin(), lines[k].end(), s); };
+      if (on(by_lines[1]) && on(by_lines[2])) return "face " + std::to_string(f) + " lies on one segment";
     }
   }
   return std::nullopt;

@@ -4,193 +4,20 @@
 #include <cmath>
 #include <limits>
 
-#include "base/multiversion.h"
-
 namespace knotreel::raster {
 
 namespace {
 
-constexpr Vec2 kDirection = {0.8191520442889918, 0.5735764363510462};
 // Parameters stay this far, in pixels, off the right and lower side, so that kDirection points inside
 // everywhere.
 constexpr double kInset = 1e-7;
 constexpr int kMaxSteps = 10;
 // Newton's method is stopped after a step this small, in pixels. Where the map is C1 the error left is about
-// the square of the step; next to its kink at a feature it may be a fraction of it.
-constexpr double kSmallStep = 2e-3;
-constexpr double kSmallStepAtFeature = 2e-4;
-
-/// Zeroes v outside the walls of a tent, and where it is negative.
-inline void cut_off(const spline::Tent& tent, const double* __restrict ux, const double* __restrict uy, int n,
-                    double* __restrict v) {
-  for (int k = 0; k < tent.wall_count; ++k) {
-    const spline::Affine a = tent.walls[static_cast<std::size_t>(k)];
-    // Points on the wall (within kOnWall) are inside if the direction points inside.
-    const double least = a.nx * kDirection.x + a.ny * kDirection.y > 0 ? -spline::kOnWall : spline::kOnWall;
-    for (int i = 0; i < n; ++i) {
-      const double d = a.nx * (ux[i] - a.px) + a.ny * (uy[i] - a.py);
-      v[i] = d >= least ? v[i] : 0;
-    }
-  }
-  for (int i = 0; i < n; ++i) v[i] = v[i] > 0 ? v[i] : 0;
-}
-
-/// Tent times factor of a term at n points.
-KNOTREEL_MULTIVERSION
-void tent_values(const SurfaceTerm& term, const double* __restrict ux, const double* __restrict uy, int n,
-                 double* __restrict v) {
-  const spline::Tent& tent = term.tent;
-  for (int i = 0; i < n; ++i)
-    v[i] = tent.slope_count == 0 ? tent.constant : std::numeric_limits<double>::max();
-  for (int s = 0; s < tent.slope_count; ++s) {
-    const spline::Affine a = tent.slopes[static_cast<std::size_t>(s)];
-    for (int i = 0; i < n; ++i) {
-      const double w = a.nx * (ux[i] - a.px) + a.ny * (uy[i] - a.py);
-      v[i] = w < v[i] ? w : v[i];
-    }
-  }
-  cut_off(tent, ux, uy, n, v);
-  if (!term.has_factor) return;
-  const spline::Affine f = term.factor;
-  for (int i = 0; i < n; ++i) v[i] *= f.nx * (ux[i] - f.px) + f.ny * (uy[i] - f.py);
-}
-
-/// The same with the gradient.
-KNOTREEL_MULTIVERSION
-void tent_gradients(const SurfaceTerm& term, const double* __restrict ux, const double* __restrict uy, int n,
-                    double* __restrict v, double* __restrict gx, double* __restrict gy) {
-  const spline::Tent& tent = term.tent;
-  for (int i = 0; i < n; ++i)
-    v[i] = tent.slope_count == 0 ? tent.constant : std::numeric_limits<double>::max();
-  for (int i = 0; i < n; ++i) gx[i] = 0;
-  for (int i = 0; i < n; ++i) gy[i] = 0;
-  for (int s = 0; s < tent.slope_count; ++s) {
-    const spline::Affine a = tent.slopes[static_cast<std::size_t>(s)];
-    for (int i = 0; i < n; ++i) {
-      const double w = a.nx * (ux[i] - a.px) + a.ny * (uy[i] - a.py);
-      const bool lower = w < v[i];
-      gx[i] = lower ? a.nx : gx[i];
-      gy[i] = lower ? a.ny : gy[i];
-      v[i] = lower ? w : v[i];
-    }
-  }
-  cut_off(tent, ux, uy, n, v);
-  for (int i = 0; i < n; ++i) gx[i] = v[i] > 0 ? gx[i] : 0;
-  for (int i = 0; i < n; ++i) gy[i] = v[i] > 0 ? gy[i] : 0;
-  if (!term.has_factor) return;
-  const spline::Affine f = term.factor;
-  for (int i = 0; i < n; ++i) {
-    const double w = f.nx * (ux[i] - f.px) + f.ny * (uy[i] - f.py);
-    gx[i] = gx[i] * w + v[i] * f.nx;
-    gy[i] = gy[i] * w + v[i] * f.ny;
-    v[i] *= w;
-  }
-}
-
-/// Displacement and Jacobian of it at n points.
-struct Geometry {
-  alignas(64) std::array<double, kBatch> d[2];
-  alignas(64) std::array<double, kBatch> j[2][2];
-};
-
-KNOTREEL_MULTIVERSION
-void add_geometry(const SurfaceTerm& term, const double* __restrict ux, const double* __restrict uy, int n,
-                  const double* __restrict v, const double* __restrict gx, const double* __restrict gy,
-                  Geometry& g) {
-  for (std::size_t c = 0; c < 2; ++c) {
-    const Plane p = term.planes[c];
-    const Vec2 o = term.origin;
-    double* __restrict d = g.d[c].data();
-    double* __restrict jx = g.j[c][0].data();
-    double* __restrict jy = g.j[c][1].data();
-    for (int i = 0; i < n; ++i) {
-      const double w = p.value + p.gx * (ux[i] - o.x) + p.gy * (uy[i] - o.y);
-      d[i] += v[i] * w;
-      jx[i] += gx[i] * w + v[i] * p.gx;
-      jy[i] += gy[i] * w + v[i] * p.gy;
-    }
-  }
-}
-
-KNOTREEL_MULTIVERSION
-void add_colours(const SurfaceTerm& term, std::size_t channels, const double* __restrict ux,
-                 const double* __restrict uy, int n, const double* __restrict v, double* __restrict out) {
-  for (std::size_t c = kGeometryChannels; c < channels; ++c) {
-    const Plane p = term.planes[c];
-    const Vec2 o = term.origin;
-    double* to = out + (c - kGeometryChannels) * kBatch;
-    for (int i = 0; i < n; ++i) to[i] += v[i] * (p.value + p.gx * (ux[i] - o.x) + p.gy * (uy[i] - o.y));
-  }
-}
-
-KNOTREEL_MULTIVERSION
-void smooth_values(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy,
-                   int n, double* __restrict value) {
-  for (int i = 0; i < n; ++i) {
-    const double dx = ux[i] - o.x;
-    const double dy = uy[i] - o.y;
-    value[i] = q.c + dx * (q.x + q.xx * dx + q.xy * dy) + dy * (q.y + q.yy * dy);
-  }
-}
-
-KNOTREEL_MULTIVERSION
-void smooth_gradients(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy,
-                      int n, double* __restrict value, double* __restrict gx, double* __restrict gy) {
-  for (int i = 0; i < n; ++i) {
-    const double dx = ux[i] - o.x;
-    const double dy = uy[i] - o.y;
-    value[i] = q.c + dx * (q.x + q.xx * dx + q.xy * dy) + dy * (q.y + q.yy * dy);
-    gx[i] = q.x + 2 * q.xx * dx + q.xy * dy;
-    gy[i] = q.y + q.xy * dx + 2 * q.yy * dy;
-  }
-}
-
-/// Quadratic interpolation of nine values on the square [0,2]^2 at n points, whose places are scaled to it.
-KNOTREEL_MULTIVERSION
-void interpolate(const std::array<double, 9>& node, Vec2 low, Vec2 size, const double* __restrict x,
-                 const double* __restrict y, int n, double* __restrict out) {
-  for (int i = 0; i < n; ++i) {
-    const double s = 2 * (x[i] - low.x) / size.x;
-    const double t = 2 * (y[i] - low.y) / size.y;
-    const double s0 = 0.5 * (s - 1) * (s - 2);
-    const double s1 = s * (2 - s);
-    const double s2 = 0.5 * s * (s - 1);
-    const double r0 = s0 * node[0] + s1 * node[1] + s2 * node[2];
-    const double r1 = s0 * node[3] + s1 * node[4] + s2 * node[5];
-    const double r2 = s0 * node[6] + s1 * node[7] + s2 * node[8];
-    out[i] = 0.5 * (t - 1) * (t - 2) * r0 + t * (2 - t) * r1 + 0.5 * t * (t - 1) * r2;
-  }
-}
-
-/// One Newton step for n points, clamped to the box, with the length of each in `moved`; returns the longest.
-KNOTREEL_MULTIVERSION
-double newton_step(const Geometry& g, const double* __restrict x, const double* __restrict y, int n, Vec2 low,
-                   Vec2 high, double* __restrict ux, double* __restrict uy, double* __restrict moved) {
-  for (int i = 0; i < n; ++i) {
-    const double rx = x[i] - ux[i] - g.d[0][static_cast<std::size_t>(i)];
-    const double ry = y[i] - uy[i] - g.d[1][static_cast<std::size_t>(i)];
-    const double a = 1 + g.j[0][0][static_cast<std::size_t>(i)];
-    const double b = g.j[0][1][static_cast<std::size_t>(i)];
-    const double c = g.j[1][0][static_cast<std::size_t>(i)];
-    const double e = 1 + g.j[1][1][static_cast<std::size_t>(i)];
-    double det = a * e - b * c;
-    // A folded or nearly singular map: step as if it were the identity.
-    const bool bad = !(det > 0.05);
-    det = bad ? 1 : det;
-    const double sx = bad ? rx : (e * rx - b * ry) / det;
-    const double sy = bad ? ry : (a * ry - c * rx) / det;
-    double px = ux[i] + sx;
-    double py = uy[i] + sy;
-    px = px < low.x ? low.x : px;
-    px = px > high.x ? high.x : px;
-    py = py < low.y ? low.y : py;
-    py = py > high.y ? high.y : py;
-    moved[i] = std::abs(px - ux[i]) + std::abs(py - uy[i]);
-    ux[i] = px;
-    uy[i] = py;
-  }
-  return *std::max_element(moved, moved + n);
-}
+// the square of the step; next to a kink, as at a feature, it may be a fraction of it.
+constexpr double kSmallStep = 8e-3;
+constexpr double kSmallStepAtKink = 1e-3;
+// Nodes only give other points their start.
+constexpr double kSmallStepOfNodes = 2e-2;
 
 }  // namespace
 
@@ -278,7 +105,7 @@ void Tile::solve_nodes(Vec2 low, Vec2 high) {
     x[i] = low.x + 0.5 * static_cast<double>(i % 3) * (high.x - low.x);
     y[i] = low.y + 0.5 * static_cast<double>(i / 3) * (high.y - low.y);
   }
-  invert(x.data(), y.data(), 9);
+  invert(x.data(), y.data(), 9, kSmallStepOfNodes);
   std::copy_n(ux_.begin(), 9, node_u_[0].begin());
   std::copy_n(uy_.begin(), 9, node_u_[1].begin());
   node_low_ = low;
@@ -309,26 +136,21 @@ void Tile::start_points(const double* x, const double* y, int n) {
   }
 }
 
-/// Fills ux_, uy_. @return false if box_ was too small for some point.
-bool Tile::invert(const double* x, const double* y, int n) {
+/// Fills ux_, uy_ by Newton's method until the longest step is below `small` pixels.
+/// @return false if box_ was too small for some point.
+bool Tile::invert(const double* x, const double* y, int n, double small) {
   start_points(x, y, n);
   if (identity_) return true;
-  alignas(64) std::array<double, kBatch> v;
-  alignas(64) std::array<double, kBatch> gx;
-  alignas(64) std::array<double, kBatch> gy;
-  Geometry g;
-  const double small = has_kink_ ? kSmallStepAtFeature : kSmallStep;
+  alignas(64) std::array<double, kBatch> moved;
+  GeometryBatch g;
   double longest = 0;
   for (int step = 0; step < kMaxSteps; ++step) {
     for (std::size_t c = 0; c < 2; ++c) {
-      smooth_gradients(smooth_[c], centre_, ux_.data(), uy_.data(), n, g.d[c].data(), g.j[c][0].data(),
+      set_geometry(smooth_[c], centre_, ux_.data(), uy_.data(), n, g.d[c].data(), g.j[c][0].data(),
                        g.j[c][1].data());
     }
-    for (const SurfaceTerm* term : terms_) {
-      tent_gradients(*term, ux_.data(), uy_.data(), n, v.data(), gx.data(), gy.data());
-      add_geometry(*term, ux_.data(), uy_.data(), n, v.data(), gx.data(), gy.data(), g);
-    }
-    longest = newton_step(g, x, y, n, box_.low, box_.high, ux_.data(), uy_.data(), v.data());
+    for (const SurfaceTerm* term : terms_) add_geometry(*term, ux_.data(), uy_.data(), n, g);
+    longest = newton_step(g, x, y, n, box_.low, box_.high, ux_.data(), uy_.data(), moved.data());
     if (longest < small) break;
   }
   // Points held back at an edge of the box that is no edge of what they may reach.
@@ -344,7 +166,7 @@ bool Tile::invert(const double* x, const double* y, int n) {
   // Rare: points that jump to and fro across the kink that the map has at a feature. Each on its own, with
   // care.
   for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) {
-    if (v[i] < small) continue;
+    if (moved[i] < small) continue;
     const Vec2 u = solve_point(surface_, {x[i], y[i]});
     ux_[i] = std::clamp(u.x, reach_.low.x, reach_.high.x);
     uy_[i] = std::clamp(u.y, reach_.low.y, reach_.high.y);
@@ -355,17 +177,15 @@ bool Tile::invert(const double* x, const double* y, int n) {
 }
 
 void Tile::colours(const double* x, const double* y, int n, double* out) {
-  if (!invert(x, y, n)) {
+  if (!invert(x, y, n, has_kink_ ? kSmallStepAtKink : kSmallStep)) {
     assemble(reach_);
-    invert(x, y, n);
+    invert(x, y, n, kSmallStepAtKink);
   }
-  alignas(64) std::array<double, kBatch> v;
   for (std::size_t c = kGeometryChannels; c < surface_.channels(); ++c) {
-    smooth_values(smooth_[c], centre_, ux_.data(), uy_.data(), n, out + (c - kGeometryChannels) * kBatch);
+    set_colour(smooth_[c], centre_, ux_.data(), uy_.data(), n, out + (c - kGeometryChannels) * kBatch);
   }
   for (const SurfaceTerm* term : terms_) {
-    tent_values(*term, ux_.data(), uy_.data(), n, v.data());
-    add_colours(*term, surface_.channels(), ux_.data(), uy_.data(), n, v.data(), out);
+    add_colours(*term, surface_.channels(), ux_.data(), uy_.data(), n, out);
   }
 }
 

@@ -3,17 +3,10 @@
 #include <array>
 #include <vector>
 
+#include "raster/kernels.h"
 #include "raster/surface.h"
 
 namespace knotreel::raster {
-
-/// Most points that a tile handles at once.
-inline constexpr int kBatch = 256;
-
-/// A quadratic polynomial around some centre.
-struct Quadratic {
-  double c, x, y, xx, xy, yy;
-};
 
 /// The part of a surface that matters for a small box of the image. What is one polynomial over the whole box
 /// is added up beforehand (degree 1 and 2), so that few terms are left for each point; all points of a batch
@@ -41,7 +34,7 @@ class Tile {
   bool fold(const SurfaceTerm& term);
   void solve_nodes(Vec2 low, Vec2 high);
   void start_points(const double* x, const double* y, int n);
-  bool invert(const double* x, const double* y, int n);
+  bool invert(const double* x, const double* y, int n, double small);
 
   const Surface& surface_;
   Box reach_{};  ///< contains every parameter whose image is in the box, by the convex hull property

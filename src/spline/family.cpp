@@ -11,31 +11,64 @@ std::vector<FamilyConfig> face_family(const mesh::CutMesh& cut) {
   return family;
 }
 
-void for_each_vertex(std::span<const FamilyConfig> family, int level,
-                     const std::function<void(LinkVertex&)>& visit) {
-  struct Member {
-    std::array<CornerIndex, 3> knots;
-    std::uint32_t place;
-  };
-  std::vector<Member> members;
-  members.reserve(3 * family.size());
+namespace {
+
+/// Vertex v of config `place / 3` at place `place % 3` of its triangle, with J = I + v.
+struct Member {
+  std::array<CornerIndex, 3> knots;
+  std::uint32_t place;
+};
+
+/// All members by J, then by place: counted into buckets of equal first corner, each of which is small.
+std::vector<Member> sorted_members(std::span<const FamilyConfig> family, int level) {
+  std::vector<Member> unsorted;
+  unsorted.reserve(3 * family.size());
+  CornerIndex largest = 0;
   for (std::uint32_t c = 0; c < family.size(); ++c) {
     for (std::uint32_t i = 0; i < 3; ++i) {
       std::array<CornerIndex, 3> knots{family[c].inner[0], family[c].inner[1], kNoCorner};
       knots[static_cast<std::size_t>(level)] = family[c].triangle[i];
-      std::sort(knots.begin(), knots.end());  // kNoCorner is the largest and stays behind
-      members.push_back({knots, 3 * c + i});
+      // Ascending; kNoCorner is the largest and stays behind.
+      if (knots[0] > knots[1]) std::swap(knots[0], knots[1]);
+      if (knots[1] > knots[2]) std::swap(knots[1], knots[2]);
+      if (knots[0] > knots[1]) std::swap(knots[0], knots[1]);
+      largest = std::max(largest, knots[0]);
+      unsorted.push_back({knots, 3 * c + i});
     }
   }
-  std::sort(members.begin(), members.end(), [](const Member& a, const Member& b) {
-    return a.knots != b.knots ? a.knots < b.knots : a.place < b.place;
-  });
+  std::vector<std::uint32_t> begin(static_cast<std::size_t>(largest) + 2, 0);
+  for (const Member& m : unsorted) ++begin[m.knots[0] + 1];
+  for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
+  std::vector<Member> members(unsorted.size());
+  std::vector<std::uint32_t> cursor(begin.begin(), begin.end() - 1);
+  for (const Member& m : unsorted) members[cursor[m.knots[0]]++] = m;
+  if (level == 0) return members;
+  for (std::size_t k = 0; k + 1 < begin.size(); ++k) {
+    std::sort(members.begin() + begin[k], members.begin() + begin[k + 1], [](const Member& a, const Member& b) {
+      const std::uint64_t x = (std::uint64_t{a.knots[1]} << 32) | a.knots[2];
+      const std::uint64_t y = (std::uint64_t{b.knots[1]} << 32) | b.knots[2];
+      return x != y ? x < y : a.place < b.place;
+    });
+  }
+  return members;
+}
+
+/// Comparing arrays as a whole costs a call of memcmp.
+bool same_knots(const std::array<CornerIndex, 3>& a, const std::array<CornerIndex, 3>& b) {
+  return a[0] == b[0] && a[1] == b[1] && a[2] == b[2];
+}
+
+}  // namespace
+
+void for_each_vertex(std::span<const FamilyConfig> family, int level,
+                     const std::function<void(LinkVertex&)>& visit) {
+  const std::vector<Member> members = sorted_members(family, level);
   LinkVertex vertex;
   for (std::size_t i = 0; i < members.size();) {
     vertex.knots = members[i].knots;
     vertex.edges.clear();
     vertex.members.clear();
-    for (; i < members.size() && members[i].knots == vertex.knots; ++i) {
+    for (; i < members.size() && same_knots(members[i].knots, vertex.knots); ++i) {
       const std::uint32_t place = members[i].place;
       const auto& t = family[place / 3].triangle;
       vertex.edges.push_back({t[(place + 1) % 3], t[(place + 2) % 3]});

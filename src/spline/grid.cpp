@@ -92,7 +92,7 @@ class Grid {
   double height_;
 };
 
-/// Adds the three shares of one term to the function rows, for n pixels whose columns are at x[0..n).
+/// The three shares of one term in one row.
 struct RowTask {
   std::array<Linear, 4> slopes;
   int slope_count;
@@ -102,26 +102,54 @@ struct RowTask {
   std::array<double*, 3> out;
 };
 
-KNOTREEL_MULTIVERSION
-void add_row(const RowTask& task, const double* x, std::int32_t n, double* scratch) {
-  const double top = task.slope_count > 0 ? std::numeric_limits<double>::infinity() : task.constant;
-  for (std::int32_t i = 0; i < n; ++i) scratch[i] = top;
-  for (int s = 0; s < task.slope_count; ++s) {
-    const Linear l = task.slopes[static_cast<std::size_t>(s)];
-    for (std::int32_t i = 0; i < n; ++i) {
-      const double v = l.slope * (x[i] - l.origin) + l.offset;
-      scratch[i] = v < scratch[i] ? v : scratch[i];
-    }
-  }
+[[gnu::always_inline]] inline double at(const Linear& l, double x) { return l.slope * (x - l.origin) + l.offset; }
+
+/// S: number of slopes, 0 for the constant tents of degree 1. Inlined into each version of add_row.
+template <int S, bool Factor>
+[[gnu::always_inline]] inline void row_loop(const RowTask& task, const double* __restrict x, std::int32_t n) {
+  const std::array<Linear, 4> s = task.slopes;
+  const std::array<Linear, 3> w = task.weights;
+  const Linear f = task.factor;
+  double* __restrict out0 = task.out[0];
+  double* __restrict out1 = task.out[1];
+  double* __restrict out2 = task.out[2];
   for (std::int32_t i = 0; i < n; ++i) {
-    const double tent = scratch[i] > 0 ? scratch[i] : 0;
-    scratch[i] = tent * (task.factor.slope * (x[i] - task.factor.origin) + task.factor.offset);
+    double v = task.constant;
+    if constexpr (S > 0) v = at(s[0], x[i]);
+    if constexpr (S > 1) v = at(s[1], x[i]) < v ? at(s[1], x[i]) : v;
+    if constexpr (S > 2) v = at(s[2], x[i]) < v ? at(s[2], x[i]) : v;
+    if constexpr (S > 3) v = at(s[3], x[i]) < v ? at(s[3], x[i]) : v;
+    v = v > 0 ? v : 0;
+    if constexpr (Factor) v *= at(f, x[i]);
+    out0[i] += v * at(w[0], x[i]);
+    out1[i] += v * at(w[1], x[i]);
+    out2[i] += v * at(w[2], x[i]);
   }
-  for (std::size_t f = 0; f < 3; ++f) {
-    double* out = task.out[f];
-    if (out == nullptr) continue;
-    const Linear l = task.weights[f];
-    for (std::int32_t i = 0; i < n; ++i) out[i] += scratch[i] * (l.slope * (x[i] - l.origin) + l.offset);
+}
+
+template <bool Factor>
+[[gnu::always_inline]] inline void row_by_slopes(const RowTask& task, const double* x, std::int32_t n) {
+  switch (task.slope_count) {
+    case 0:
+      return row_loop<0, Factor>(task, x, n);
+    case 1:
+      return row_loop<1, Factor>(task, x, n);
+    case 2:
+      return row_loop<2, Factor>(task, x, n);
+    case 3:
+      return row_loop<3, Factor>(task, x, n);
+    default:
+      return row_loop<4, Factor>(task, x, n);
+  }
+}
+
+/// Adds the shares to the function rows, for n pixels whose columns are at x[0..n).
+KNOTREEL_MULTIVERSION
+void add_row(const RowTask& task, bool has_factor, const double* x, std::int32_t n) {
+  if (has_factor) {
+    row_by_slopes<true>(task, x, n);
+  } else {
+    row_by_slopes<false>(task, x, n);
   }
 }
 
@@ -132,7 +160,7 @@ RowTask make_task(const Piece& piece, const PieceTerm& term, double y) {
   for (int s = 0; s < task.slope_count; ++s) {
     task.slopes[static_cast<std::size_t>(s)] = along_row(term.tent.slopes[static_cast<std::size_t>(s)], y);
   }
-  task.factor = term.has_factor ? along_row(term.factor, y) : Linear{0, 0, 1};
+  task.factor = along_row(term.factor, y);
   for (std::size_t i = 0; i < 3; ++i) task.weights[i] = along_row(piece.weights[i], y);
   return task;
 }
@@ -213,7 +241,8 @@ GridValues Basis::evaluate_grid(int columns, int rows) const {
 
   std::vector<double> x(static_cast<std::size_t>(columns));
   for (std::int32_t c = 0; c < columns; ++c) x[static_cast<std::size_t>(c)] = grid.x(c);
-  std::vector<double> scratch(x.size());
+  std::vector<double> nowhere[3];  // shares of functions that vanish
+  for (auto& row : nowhere) row.resize(x.size());
   for (const Piece& piece : pieces_.pieces) {
     for (std::uint32_t t = piece.term_begin; t < piece.term_end; ++t) {
       for (std::size_t i = reaches.begin[t]; i < reaches.begin[t + 1]; ++i) {
@@ -223,13 +252,16 @@ GridValues Basis::evaluate_grid(int columns, int rows) const {
         RowTask task = make_task(piece, pieces_.terms[t], grid.y(y));
         for (std::size_t v = 0; v < 3; ++v) {
           const FunctionIndex f = piece.functions[v];
-          if (f == kNoFunction) continue;
+          if (f == kNoFunction) {
+            task.out[v] = nowhere[v].data();
+            continue;
+          }
           const std::size_t first = result.row_begin[f];
           const GridValues::Row& row =
               result.rows[first + static_cast<std::size_t>(y - result.rows[first].y)];
           task.out[v] = result.values.data() + row.offset + (reach.begin - row.x_begin);
         }
-        add_row(task, x.data() + reach.begin, reach.end - reach.begin, scratch.data());
+        add_row(task, pieces_.terms[t].has_factor, x.data() + reach.begin, reach.end - reach.begin);
       }
     }
   }

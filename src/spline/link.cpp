@@ -7,6 +7,8 @@
 #include <unordered_map>
 #include <utility>
 
+#include "knotreel/base/error.h"
+
 namespace knotreel::spline {
 
 namespace {
@@ -70,35 +72,79 @@ std::optional<std::size_t> decode_triangulation(std::size_t n, std::span<const s
   return used;
 }
 
-std::vector<PolygonTriangle> triangulate_polygon(std::span<const Vec2> polygon) {
-  std::vector<std::uint32_t> left(polygon.size());
-  std::iota(left.begin(), left.end(), 0u);
-  std::vector<PolygonTriangle> triangles;
-  while (left.size() > 3) {
-    const std::size_t n = left.size();
-    std::size_t best = 0;
-    double best_quality = -std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < n; ++i) {
-      const std::uint32_t a = left[(i + n - 1) % n];
-      const std::uint32_t b = left[i];
-      const std::uint32_t c = left[(i + 1) % n];
-      double quality = smallest_angle(polygon[a], polygon[b], polygon[c]);
-      const bool blocked = std::any_of(left.begin(), left.end(), [&](std::uint32_t p) {
-        return p != a && p != b && p != c && inside(polygon[p], polygon[a], polygon[b], polygon[c]);
-      });
-      // Ears that are flat, turned, or hold another corner come last, the flattest first.
-      if (quality <= 0 || blocked) quality = -1 - std::abs(quality);
-      if (quality > best_quality) {
-        best_quality = quality;
-        best = i;
-      }
-    }
-    triangles.push_back({left[(best + n - 1) % n], left[best], left[(best + 1) % n]});
-    left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
+namespace {
+
+/// Cuts ears off a polygon, the best first.
+class EarCutter {
+ public:
+  explicit EarCutter(std::span<const Vec2> polygon) : polygon_(polygon), left_(polygon.size()) {
+    std::iota(left_.begin(), left_.end(), 0u);
+    rate_all();
   }
-  triangles.push_back({left[0], left[1], left[2]});
-  for (PolygonTriangle& t : triangles) std::sort(t.begin(), t.end());
-  return triangles;
+
+  std::vector<PolygonTriangle> run() {
+    std::vector<PolygonTriangle> triangles;
+    while (left_.size() > 3) {
+      std::size_t best = best_ear();
+      // A corner that is gone may have been all that blocked an ear.
+      if (quality_[best] <= -1 && stale_) {
+        rate_all();
+        best = best_ear();
+      }
+      const std::size_t n = left_.size();
+      triangles.push_back({left_[(best + n - 1) % n], left_[best], left_[(best + 1) % n]});
+      left_.erase(left_.begin() + static_cast<std::ptrdiff_t>(best));
+      quality_.erase(quality_.begin() + static_cast<std::ptrdiff_t>(best));
+      stale_ = true;
+      rate((best + n - 2) % (n - 1));
+      rate(best % (n - 1));
+    }
+    triangles.push_back({left_[0], left_[1], left_[2]});
+    for (PolygonTriangle& t : triangles) std::sort(t.begin(), t.end());
+    return triangles;
+  }
+
+ private:
+  std::size_t best_ear() const {
+    return static_cast<std::size_t>(std::max_element(quality_.begin(), quality_.end()) - quality_.begin());
+  }
+
+  void rate_all() {
+    quality_.resize(left_.size());
+    for (std::size_t i = 0; i < left_.size(); ++i) rate(i);
+    stale_ = false;
+  }
+
+  /// The smallest angle of a proper ear; ears that are flat, turned, or hold another corner come last, below -1, the
+  /// flattest first.
+  void rate(std::size_t i) {
+    const std::size_t n = left_.size();
+    const std::uint32_t a = left_[(i + n - 1) % n];
+    const std::uint32_t b = left_[i];
+    const std::uint32_t c = left_[(i + 1) % n];
+    const double angle = smallest_angle(polygon_[a], polygon_[b], polygon_[c]);
+    const bool proper = angle > 0 && std::none_of(left_.begin(), left_.end(), [&](std::uint32_t p) {
+      return p != a && p != b && p != c && inside(polygon_[p], polygon_[a], polygon_[b], polygon_[c]);
+    });
+    quality_[i] = proper ? angle : -1 - std::abs(angle);
+  }
+
+  std::span<const Vec2> polygon_;
+  std::vector<std::uint32_t> left_;
+  std::vector<double> quality_;
+  bool stale_ = false;  ///< ears may have become proper since they were rated
+};
+
+// Links have about six corners; one of this size comes from a file made to keep us busy.
+constexpr std::size_t kMaxPolygon = 4096;
+
+}  // namespace
+
+std::vector<PolygonTriangle> triangulate_polygon(std::span<const Vec2> polygon) {
+  if (polygon.size() > kMaxPolygon) {
+    throw Error(ErrorKind::kInvalidArgument, "a link with more than 4096 corners cannot be triangulated");
+  }
+  return EarCutter(polygon).run();
 }
 
 }  // namespace knotreel::spline

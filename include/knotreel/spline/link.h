@@ -28,8 +28,9 @@ std::optional<std::size_t> decode_triangulation(std::size_t n, std::span<const s
                                                 std::vector<PolygonTriangle>& triangles);
 
 /// Triangulates a simple polygon given in positive order, by cutting the ear with the largest smallest angle
-/// each time. Never fails: where rounding or a non-simple polygon leaves no proper ear, the flattest one is
-/// cut. O(n^3), n is about 6.
+/// each time. Where rounding or a non-simple polygon leaves no proper ear, the flattest one is cut.
+/// O(n^2) but for polygons made to be hard; n is about 6.
+/// @throws Error{kInvalidArgument} for more than 4096 corners.
 std::vector<PolygonTriangle> triangulate_polygon(std::span<const Vec2> polygon);
 
 }  // namespace knotreel::spline
