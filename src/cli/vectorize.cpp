@@ -27,6 +27,7 @@ struct Arguments {
   std::string control_points = "2%";
   int degree = 2;
   std::uint64_t seed = 1;
+  bool smooth_corners = false;
   std::string stats;
   int threads = 0;
 };
@@ -77,6 +78,7 @@ void vectorize(const Arguments& arguments) {
   options.control_points = parse_count("--control-points", arguments.control_points, image.pixel_count());
   options.degree = arguments.degree;
   options.seed = arguments.seed;
+  options.colour.smooth_corners = arguments.smooth_corners;
   const document::FrameModel fitted = fit::fit_uniform(image, options);
   check_interrupted();
   timer.finish("fit");
@@ -100,6 +102,7 @@ void vectorize(const Arguments& arguments) {
                                  {"channels", image.channels},
                                  {"degree", space.degree()},
                                  {"seed", arguments.seed},
+                                 {"smooth_corners", arguments.smooth_corners},
                                  {"threads", arguments.threads},
                                  {"knots", space.mesh().knots.size()},
                                  {"triangles", space.mesh().faces.size()},
@@ -152,6 +155,9 @@ void add_vectorize_command(CLI::App& program) {
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""))
       ->type_name("N")
       ->capture_default_str();
+  command->add_flag("--smooth-corners", arguments->smooth_corners,
+                    "Smooth (C1, degree 3: C2) at the corners of the picture too, where the surface is\n"
+                    "otherwise only continuous along the edges of the knot mesh");
   command
       ->add_option("--stats", arguments->stats,
                    "Write counts, quality and seconds per stage as JSON; '-': standard output")

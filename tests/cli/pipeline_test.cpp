@@ -72,6 +72,16 @@ TEST(CliVectorize, StatsHoldFiguresAndSeconds) {
     EXPECT_GE(stats["seconds"][stage], 0.0) << stage;
 }
 
+TEST(CliVectorize, SmoothCornersChangesTheCornersOnly) {
+  const Sample sample;
+  const std::string smooth = sample.path("smooth.tcb");
+  expect_success(test::knotreel({"vectorize", sample.picture, "-o", smooth, "--smooth-corners"}));
+  EXPECT_NE(read_text(smooth), read_text(sample.document));
+  const auto result = test::knotreel({"compare", smooth, sample.document, "--json"});
+  expect_success(result);
+  EXPECT_GT(json_psnr(json::parse(result.out)), 35);
+}
+
 TEST(CliRender, SizeScaleAndCropSayTheSizeOfTheOutput) {
   const Sample sample;  // 64 x 40
   const auto size = [&](const std::vector<std::string>& options) {
