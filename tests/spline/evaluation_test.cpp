@@ -174,6 +174,7 @@ TEST_P(Evaluation, QuadraticsAreReproducedByFitting) {
     SCOPED_TRACE(c.name);
     const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
     const Basis basis(space);
+    if (space->function_count() > knotreel::testing::kMostDenseFunctions) continue;
     const auto n = static_cast<Eigen::Index>(space->function_count());
     const auto f = [&](Vec2 u) {
       const double x = u.x / c.mesh.width;

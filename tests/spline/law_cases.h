@@ -10,11 +10,14 @@
 /// cases, and spline_unit_test with few, which is fast enough for every build, sanitizers included.
 namespace knotreel::testing {
 
+// kMostDenseFunctions: larger spaces are left out of tests whose cost is cubic in the number of functions.
 #ifdef KNOTREEL_LAW_CASES
 inline constexpr int kMostRandomCases = KNOTREEL_LAW_CASES;
+inline constexpr std::size_t kMostDenseFunctions = 120;
 inline constexpr std::size_t kCorpusStride = 3;
 #else
 inline constexpr int kMostRandomCases = 1000000;
+inline constexpr std::size_t kMostDenseFunctions = 1000000;
 inline constexpr std::size_t kCorpusStride = 1;
 #endif
 
