@@ -355,7 +355,9 @@ bool Tile::invert(const double* x, const double* y, int n) {
 }
 
 void Tile::colours(const double* x, const double* y, int n, double* out) {
-  if (!invert(x, y, n)) {
+  const Box box = box_;
+  const bool fits = invert(x, y, n);
+  if (!fits) {
     assemble(reach_);
     invert(x, y, n);
   }
@@ -367,6 +369,8 @@ void Tile::colours(const double* x, const double* y, int n, double* out) {
     tent_values(*term, ux_.data(), uy_.data(), n, v.data());
     add_colours(*term, surface_.channels(), ux_.data(), uy_.data(), n, v.data(), out);
   }
+  // What comes next must not depend on these points: a crop or a band may leave them out.
+  if (!fits) assemble(box);
 }
 
 Vec2 solve_point(const Surface& surface, Vec2 x) {
