@@ -40,7 +40,27 @@ Defect find_index_defect(const KnotMesh& mesh) {
   return std::nullopt;
 }
 
-/// One border loop, every knot with a single fan of faces, Euler characteristic of a disk.
+/// Whether all faces can be reached from the first one across edges.
+bool in_one_piece(const HalfEdges& half_edges) {
+  std::vector<bool> reached(half_edges.opposite.size() / 3, false);
+  std::vector<std::uint32_t> open{0};
+  reached[0] = true;
+  std::size_t count = 0;
+  while (!open.empty()) {
+    const std::uint32_t f = open.back();
+    open.pop_back();
+    ++count;
+    for (std::uint32_t h = 3 * f; h < 3 * f + 3; ++h) {
+      const std::uint32_t other = half_edges.opposite[h];
+      if (other == kNoHalfEdge || reached[other / 3]) continue;
+      reached[other / 3] = true;
+      open.push_back(other / 3);
+    }
+  }
+  return count == reached.size();
+}
+
+/// One border loop, every knot with a single fan of faces, connected, Euler characteristic of a disk.
 Defect find_surface_defect(const KnotMesh& mesh, const HalfEdges& half_edges) {
   const std::size_t knots = mesh.knots.size();
   std::vector<std::uint32_t> border_from(knots, kNoHalfEdge);
@@ -84,6 +104,8 @@ Defect find_surface_defect(const KnotMesh& mesh, const HalfEdges& half_edges) {
     ++loop;
   } while (at != first && loop <= border_edges);
   if (loop != border_edges) return "the border is not one loop";
+  // The characteristic alone does not tell a disk from a disk and a torus.
+  if (!in_one_piece(half_edges)) return "the mesh is not in one piece";
   const std::size_t edges = (half_edges.opposite.size() + border_edges) / 2;
   if (knots + mesh.faces.size() != edges + 1) return "the mesh is not a disk";
   return std::nullopt;

@@ -64,6 +64,18 @@ void triangulate(KnotMesh& mesh) {
       throw Error(ErrorKind::kInvalidArgument, "cannot triangulate: a knot has no finite position");
     }
   }
+  for (const FeatureSegment& s : mesh.segments) {
+    for (std::size_t i = 0; i < s.knots.size(); ++i) {
+      if (s.knots[i] >= mesh.knots.size()) {
+        throw Error(ErrorKind::kInvalidArgument,
+                    "cannot triangulate: a segment refers to a knot that does not exist");
+      }
+      if (i > 0 && s.knots[i] == s.knots[i - 1]) {
+        throw Error(ErrorKind::kInvalidArgument,
+                    "cannot triangulate: a segment has the same knot twice in a row");
+      }
+    }
+  }
   Cdt cdt;
   std::vector<Cdt::Vertex_handle> vertices(mesh.knots.size());
   Cdt::Face_handle hint;

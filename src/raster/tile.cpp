@@ -177,7 +177,9 @@ bool Tile::invert(const double* x, const double* y, int n, double small) {
 }
 
 void Tile::colours(const double* x, const double* y, int n, double* out) {
-  if (!invert(x, y, n, has_kink_ ? kSmallStepAtKink : kSmallStep)) {
+  const Box box = box_;
+  const bool fits = invert(x, y, n, has_kink_ ? kSmallStepAtKink : kSmallStep);
+  if (!fits) {
     assemble(reach_);
     invert(x, y, n, kSmallStepAtKink);
   }
@@ -187,6 +189,8 @@ void Tile::colours(const double* x, const double* y, int n, double* out) {
   for (const SurfaceTerm* term : terms_) {
     add_colours(*term, surface_.channels(), ux_.data(), uy_.data(), n, out);
   }
+  // What comes next must not depend on these points: a crop or a band may leave them out.
+  if (!fits) assemble(box);
 }
 
 Vec2 solve_point(const Surface& surface, Vec2 x) {

@@ -259,6 +259,28 @@ TEST(Render, SameBitsForAnyThreadCountBandAndCrop) {
   }
 }
 
+/// Dense tiles start from a small box and fall back to a larger one if a point leaves it: that must not show
+/// in the points that come after, or the picture would depend on the rows asked for.
+TEST(Render, RowsAloneEqualTheWholeWhereTilesFallBack) {
+  std::vector<MeshCase> cases = knotreel::testing::corpus_cases();
+  std::erase_if(cases, [](const MeshCase& c) { return c.name != "feature-close-to-border"; });
+  ASSERT_EQ(cases.size(), 1u);
+  FrameModel model = knotreel::testing::blank_model(cases[0].mesh, 2, 3);
+  knotreel::testing::displace_randomly(model, 8, 78);
+  knotreel::testing::colour_randomly(model, 5);
+  for (const double scale : {3.0, 5.0}) {
+    const RenderOptions options = at_scale(model, scale);
+    const Renderer renderer(model, options);
+    const std::vector<float> whole = render(model, options);
+    std::vector<float> row(static_cast<std::size_t>(options.width) * 3);
+    for (int y = 0; y < options.height; ++y) {
+      renderer.rows(y, y + 1, row);
+      EXPECT_TRUE(std::equal(row.begin(), row.end(), whole.begin() + y * std::ssize(row)))
+          << scale << ' ' << y;
+    }
+  }
+}
+
 TEST(Render, SmallerPicturesAreMeansOfLargerOnes) {
   const FrameModel model = two_coloured_model(2, kSeed);
   const std::vector<float> full = render(model, at_scale(model, 1));

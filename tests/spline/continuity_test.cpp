@@ -7,7 +7,7 @@
 
 #include "knotreel/spline/basis.h"
 #include "knotreel/spline/smooth_corners.h"
-#include "support/mesh_cases.h"
+#include "spline/law_cases.h"
 
 /// Smoothness of random surfaces across every line on which pieces meet, by exact one-sided limits.
 namespace knotreel::spline {
@@ -109,8 +109,7 @@ Jumps measure(const Basis& basis, const std::vector<double>& c, const std::vecto
 }
 
 std::vector<MeshCase> cases() {
-  std::vector<MeshCase> all = knotreel::testing::corpus_cases();
-  for (MeshCase& c : knotreel::testing::random_cases(kSeed, 200)) all.push_back(std::move(c));
+  std::vector<MeshCase> all = knotreel::testing::law_cases(kSeed, 200);
   std::erase_if(all, [](const MeshCase& c) { return knotreel::testing::has_accidental_lines(c.mesh); });
   return all;
 }

@@ -5,7 +5,7 @@
 #include <random>
 
 #include "knotreel/spline/basis.h"
-#include "support/mesh_cases.h"
+#include "spline/law_cases.h"
 
 /// Laws of TCB-splines over the corpus and 200 random meshes, degrees 1, 2 and 3.
 namespace knotreel::spline {
@@ -16,12 +16,7 @@ using knotreel::testing::MeshCase;
 constexpr std::uint64_t kSeed = 20260101;
 
 const std::vector<MeshCase>& all_cases() {
-  static const std::vector<MeshCase> cases = [] {
-    std::vector<MeshCase> all = knotreel::testing::corpus_cases();
-    std::vector<MeshCase> random = knotreel::testing::random_cases(kSeed, 200);
-    all.insert(all.end(), random.begin(), random.end());
-    return all;
-  }();
+  static const std::vector<MeshCase> cases = knotreel::testing::law_cases(kSeed, 200);
   return cases;
 }
 

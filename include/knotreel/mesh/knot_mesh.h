@@ -57,7 +57,7 @@ struct KnotMesh {
 std::optional<std::string> find_defect(const KnotMesh& mesh);
 
 /// Half of find_defect that needs no coordinates: indices in range, every edge in at most two faces and with
-/// consistent orientation, one border loop, Euler characteristic of a disk, segments along edges.
+/// consistent orientation, one border loop, connected, Euler characteristic of a disk, segments along edges.
 /// A reader of documents calls this before it trusts a topology.
 std::optional<std::string> find_topological_defect(const KnotMesh& mesh);
 

@@ -9,7 +9,8 @@ namespace knotreel::mesh {
 /// Constrained Delaunay triangulation of knots: fills in `faces` of a mesh whose knots and segments are
 /// given. Exact predicates (CGAL); ties are broken by the order of the knots, so equal input gives equal
 /// faces.
-/// @throws Error{kInvalidArgument} if segments cross, knots coincide, or the result has a defect.
+/// @throws Error{kInvalidArgument} if segments name no knots or cross, knots coincide, or the result has a
+/// defect.
 void triangulate(KnotMesh& mesh);
 
 /// The four domain corners as kVertex knots with ids 0..3 (top left, top right, bottom right, bottom left)
