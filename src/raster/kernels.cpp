@@ -9,8 +9,8 @@ namespace knotreel::raster {
 
 namespace {
 
-/// What a loop needs of a term, padded so that few shapes of tents are left: S slopes of 0, 2, 3 or 4 (one slope
-/// counts twice), W walls of 0, 2 or 3 (missing ones are always passed).
+/// What a loop needs of a term, padded so that few shapes of tents are left: S slopes of 0, 2, 3 or 4 (one
+/// slope counts twice), W walls of 0, 2 or 3 (missing ones are always passed).
 template <int S, int W>
 struct LoopTent {
   std::array<spline::Affine, 4> slopes;
@@ -85,9 +85,10 @@ KNOTREEL_INLINE double tent_at(const LoopTent<S, W>& t, double x, double y, doub
 }
 
 template <int S, int W, bool Factor>
-KNOTREEL_INLINE void geometry_loop(const SurfaceTerm& term, const double* __restrict ux, const double* __restrict uy,
-                                   int n, double* __restrict d0, double* __restrict d1, double* __restrict j00,
-                                   double* __restrict j01, double* __restrict j10, double* __restrict j11) {
+KNOTREEL_INLINE void geometry_loop(const SurfaceTerm& term, const double* __restrict ux,
+                                   const double* __restrict uy, int n, double* __restrict d0,
+                                   double* __restrict d1, double* __restrict j00, double* __restrict j01,
+                                   double* __restrict j10, double* __restrict j11) {
   const LoopTent<S, W> tent(term.tent);
   const spline::Affine f = term.factor;
   const Vec2 o = term.origin;
@@ -171,24 +172,27 @@ KNOTREEL_INLINE void with_shape(const SurfaceTerm& term, Body&& body) {
 
 KNOTREEL_MULTIVERSION
 void add_geometry(const SurfaceTerm& term, const double* ux, const double* uy, int n, GeometryBatch& g) {
-  with_shape(term, [&](auto s, auto w, auto factor) __attribute__((always_inline)) {
-    geometry_loop<decltype(s)::value, decltype(w)::value, decltype(factor)::value>(
-        term, ux, uy, n, g.d[0].data(), g.d[1].data(), g.j[0][0].data(), g.j[0][1].data(), g.j[1][0].data(),
-        g.j[1][1].data());
-  });
+  with_shape(
+      term, [&](auto s, auto w, auto factor) __attribute__((always_inline)) {
+        geometry_loop<decltype(s)::value, decltype(w)::value, decltype(factor)::value>(
+            term, ux, uy, n, g.d[0].data(), g.d[1].data(), g.j[0][0].data(), g.j[0][1].data(),
+            g.j[1][0].data(), g.j[1][1].data());
+      });
 }
 
 KNOTREEL_MULTIVERSION
 void add_colours(const SurfaceTerm& term, std::size_t channels, const double* ux, const double* uy, int n,
                  double* out) {
-  with_shape(term, [&](auto s, auto w, auto factor) __attribute__((always_inline)) {
-    colour_loop<decltype(s)::value, decltype(w)::value, decltype(factor)::value>(term, channels, ux, uy, n, out);
-  });
+  with_shape(
+      term, [&](auto s, auto w, auto factor) __attribute__((always_inline)) {
+        colour_loop<decltype(s)::value, decltype(w)::value, decltype(factor)::value>(term, channels, ux, uy,
+                                                                                     n, out);
+      });
 }
 
 KNOTREEL_MULTIVERSION
-void set_colour(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy,
-                   int n, double* __restrict value) {
+void set_colour(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy, int n,
+                double* __restrict value) {
   for (int i = 0; i < n; ++i) {
     const double dx = ux[i] - o.x;
     const double dy = uy[i] - o.y;
@@ -197,8 +201,8 @@ void set_colour(const Quadratic& q, Vec2 o, const double* __restrict ux, const d
 }
 
 KNOTREEL_MULTIVERSION
-void set_geometry(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy,
-                      int n, double* __restrict value, double* __restrict gx, double* __restrict gy) {
+void set_geometry(const Quadratic& q, Vec2 o, const double* __restrict ux, const double* __restrict uy, int n,
+                  double* __restrict value, double* __restrict gx, double* __restrict gy) {
   for (int i = 0; i < n; ++i) {
     const double dx = ux[i] - o.x;
     const double dy = uy[i] - o.y;
@@ -227,8 +231,9 @@ void interpolate(const std::array<double, 9>& node, Vec2 low, Vec2 size, const d
 
 /// One Newton step for n points, clamped to the box, with the length of each in `moved`; returns the longest.
 KNOTREEL_MULTIVERSION
-double newton_step(const GeometryBatch& g, const double* __restrict x, const double* __restrict y, int n, Vec2 low,
-                   Vec2 high, double* __restrict ux, double* __restrict uy, double* __restrict moved) {
+double newton_step(const GeometryBatch& g, const double* __restrict x, const double* __restrict y, int n,
+                   Vec2 low, Vec2 high, double* __restrict ux, double* __restrict uy,
+                   double* __restrict moved) {
   for (int i = 0; i < n; ++i) {
     const double rx = x[i] - ux[i] - g.d[0][static_cast<std::size_t>(i)];
     const double ry = y[i] - uy[i] - g.d[1][static_cast<std::size_t>(i)];
@@ -254,6 +259,5 @@ double newton_step(const GeometryBatch& g, const double* __restrict x, const dou
   }
   return *std::max_element(moved, moved + n);
 }
-
 
 }  // namespace knotreel::raster

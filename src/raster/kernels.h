@@ -4,8 +4,8 @@
 
 #include "raster/surface.h"
 
-/// The inner loops of the renderer: everything about n points of one tile, in plain loops that the compiler turns
-/// into vector instructions. Arrays of points are parallel; n <= kBatch.
+/// The inner loops of the renderer: everything about n points of one tile, in plain loops that the compiler
+/// turns into vector instructions. Arrays of points are parallel; n <= kBatch.
 namespace knotreel::raster {
 
 /// Most points that a tile handles at once.
@@ -35,12 +35,12 @@ void add_colours(const SurfaceTerm& term, std::size_t channels, const double* ux
                  double* out);
 
 /// Quadratic interpolation at n points of nine values at the nodes of a 3 x 3 lattice over the box.
-void interpolate(const std::array<double, 9>& node, Vec2 low, Vec2 size, const double* x, const double* y, int n,
-                 double* out);
+void interpolate(const std::array<double, 9>& node, Vec2 low, Vec2 size, const double* x, const double* y,
+                 int n, double* out);
 
 /// One Newton step towards S_geo(u) = (x, y), clamped to [low, high]; the lengths go into `moved`.
 /// @return the longest of them.
-double newton_step(const GeometryBatch& g, const double* x, const double* y, int n, Vec2 low, Vec2 high, double* ux,
-                   double* uy, double* moved);
+double newton_step(const GeometryBatch& g, const double* x, const double* y, int n, Vec2 low, Vec2 high,
+                   double* ux, double* uy, double* moved);
 
 }  // namespace knotreel::raster

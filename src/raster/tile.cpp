@@ -147,7 +147,7 @@ bool Tile::invert(const double* x, const double* y, int n, double small) {
   for (int step = 0; step < kMaxSteps; ++step) {
     for (std::size_t c = 0; c < 2; ++c) {
       set_geometry(smooth_[c], centre_, ux_.data(), uy_.data(), n, g.d[c].data(), g.j[c][0].data(),
-                       g.j[c][1].data());
+                   g.j[c][1].data());
     }
     for (const SurfaceTerm* term : terms_) add_geometry(*term, ux_.data(), uy_.data(), n, g);
     longest = newton_step(g, x, y, n, box_.low, box_.high, ux_.data(), uy_.data(), moved.data());

@@ -44,11 +44,12 @@ std::vector<Member> sorted_members(std::span<const FamilyConfig> family, int lev
   for (const Member& m : unsorted) members[cursor[m.knots[0]]++] = m;
   if (level == 0) return members;
   for (std::size_t k = 0; k + 1 < begin.size(); ++k) {
-    std::sort(members.begin() + begin[k], members.begin() + begin[k + 1], [](const Member& a, const Member& b) {
-      const std::uint64_t x = (std::uint64_t{a.knots[1]} << 32) | a.knots[2];
-      const std::uint64_t y = (std::uint64_t{b.knots[1]} << 32) | b.knots[2];
-      return x != y ? x < y : a.place < b.place;
-    });
+    std::sort(members.begin() + begin[k], members.begin() + begin[k + 1],
+              [](const Member& a, const Member& b) {
+                const std::uint64_t x = (std::uint64_t{a.knots[1]} << 32) | a.knots[2];
+                const std::uint64_t y = (std::uint64_t{b.knots[1]} << 32) | b.knots[2];
+                return x != y ? x < y : a.place < b.place;
+              });
   }
   return members;
 }

@@ -102,7 +102,9 @@ struct RowTask {
   std::array<double*, 3> out;
 };
 
-[[gnu::always_inline]] inline double at(const Linear& l, double x) { return l.slope * (x - l.origin) + l.offset; }
+[[gnu::always_inline]] inline double at(const Linear& l, double x) {
+  return l.slope * (x - l.origin) + l.offset;
+}
 
 /// S: number of slopes, 0 for the constant tents of degree 1. Inlined into each version of add_row.
 template <int S, bool Factor>

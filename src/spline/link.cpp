@@ -115,17 +115,18 @@ class EarCutter {
     stale_ = false;
   }
 
-  /// The smallest angle of a proper ear; ears that are flat, turned, or hold another corner come last, below -1, the
-  /// flattest first.
+  /// The smallest angle of a proper ear; ears that are flat, turned, or hold another corner come last, below
+  /// -1, the flattest first.
   void rate(std::size_t i) {
     const std::size_t n = left_.size();
     const std::uint32_t a = left_[(i + n - 1) % n];
     const std::uint32_t b = left_[i];
     const std::uint32_t c = left_[(i + 1) % n];
     const double angle = smallest_angle(polygon_[a], polygon_[b], polygon_[c]);
-    const bool proper = angle > 0 && std::none_of(left_.begin(), left_.end(), [&](std::uint32_t p) {
-      return p != a && p != b && p != c && inside(polygon_[p], polygon_[a], polygon_[b], polygon_[c]);
-    });
+    const bool proper =
+        angle > 0 && std::none_of(left_.begin(), left_.end(), [&](std::uint32_t p) {
+          return p != a && p != b && p != c && inside(polygon_[p], polygon_[a], polygon_[b], polygon_[c]);
+        });
     quality_[i] = proper ? angle : -1 - std::abs(angle);
   }
 
