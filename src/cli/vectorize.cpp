@@ -156,7 +156,7 @@ void add_vectorize_command(CLI::App& program) {
       ->type_name("N")
       ->capture_default_str();
   command->add_flag("--smooth-corners", arguments->smooth_corners,
-                    "Smooth (C1, degree 3: C2) at the corners of the picture too, where the surface is\n"
+                    "Smooth (C1; with degree 3, C2) at the corners of the picture too, where\nthe surface is "
                     "otherwise only continuous along the edges of the knot mesh");
   command
       ->add_option("--stats", arguments->stats,

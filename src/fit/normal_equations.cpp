@@ -83,13 +83,14 @@ NormalEquations assemble(const GridValues& grid, const image::Image& image) {
   NormalEquations normal;
   normal.right.setZero(static_cast<Eigen::Index>(functions), image.channels);
 
-  // Blocks of functions share a dense accumulator.
-  constexpr std::size_t kBlock = 64;
-  parallel_for((functions + kBlock - 1) / kBlock, [&](std::size_t block) {
+  // Blocks of functions share a dense accumulator; few blocks, because each clears one as long as all
+  // functions.
+  const std::size_t block_size = std::max<std::size_t>(64, functions / 64);
+  parallel_for((functions + block_size - 1) / block_size, [&](std::size_t block) {
     std::vector<double> sum(functions, 0.0);
     std::vector<FunctionIndex> touched;
     std::vector<bool> seen(functions, false);
-    for (std::size_t k = block * kBlock; k < std::min(functions, (block + 1) * kBlock); ++k) {
+    for (std::size_t k = block * block_size; k < std::min(functions, (block + 1) * block_size); ++k) {
       const auto f = static_cast<FunctionIndex>(k);
       touched.clear();
       for (const GridValues::Row& row : grid.rows_of(f)) {
