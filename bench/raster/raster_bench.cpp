@@ -1,4 +1,5 @@
 #include <benchmark/benchmark.h>
+#include <sys/resource.h>
 
 #include <random>
 
@@ -44,6 +45,10 @@ void BM_Render(benchmark::State& state) {
       benchmark::DoNotOptimize(band.data());
     }
   }
+  // Of the whole process so far: to read it for one case, run that case alone.
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  state.counters["peak_MB"] = static_cast<double>(usage.ru_maxrss) / 1024;
   state.counters["control points"] = static_cast<double>(model.space->function_count());
   state.SetItemsProcessed(state.iterations() * options.width * options.height);
 }

@@ -1,5 +1,6 @@
 #include <unistd.h>
 
+#include <algorithm>
 #include <exception>
 #include <new>
 #include <string>
@@ -48,6 +49,13 @@ void run(int argc, char** argv) {
   cli::add_info_command(program);
   cli::add_dump_command(program);
   cli::add_compare_command(program);
+  // CLI11 would only say that a command is missing.
+  const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
+  const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
+  if (argc > 1 && argv[1][0] != '-' && std::none_of(commands.begin(), commands.end(), named)) {
+    throw Error(ErrorKind::kInvalidArgument,
+                "there is no command '" + std::string(argv[1]) + "' (see knotreel --help)");
+  }
   try {
     program.parse(argc, argv);
   } catch (const CLI::CallForVersion&) {

@@ -27,7 +27,7 @@ struct Arguments {
   std::string control_points = "2%";
   int degree = 2;
   std::uint64_t seed = 1;
-  bool smooth_corners = false;
+  bool smooth_corners = true;
   std::string stats;
   int threads = 0;
 };
@@ -155,9 +155,10 @@ void add_vectorize_command(CLI::App& program) {
       ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""))
       ->type_name("N")
       ->capture_default_str();
-  command->add_flag("--smooth-corners", arguments->smooth_corners,
-                    "Smooth (C1; with degree 3, C2) at the corners of the picture too, where\nthe surface is "
-                    "otherwise only continuous along the edges of the knot mesh");
+  command->add_flag_callback(
+      "--no-smooth-corners", [arguments] { arguments->smooth_corners = false; },
+      "Leave the surface merely continuous, not smooth, along the edges of the\nknot "
+      "mesh that run into corners of the picture");
   command
       ->add_option("--stats", arguments->stats,
                    "Write counts, quality and seconds per stage as JSON; '-': standard output")

@@ -64,49 +64,88 @@ Vec2 FeatureTrace::Curve::at(double t) const {
   return p[0];
 }
 
+/// Collects the pixels of one region of a grid that curves cross.
+class FeatureTrace::PixelWalk {
+ public:
+  PixelWalk(int row_begin, int row_end, int column_begin, int column_end)
+      : row_begin_(row_begin), row_end_(row_end), column_begin_(column_begin), column_end_(column_end) {}
+
+  /// Halves the curve (in grid pixels) until its parts are chords; parts outside the region are left alone,
+  /// so that the work does not grow with what cannot be seen.
+  void add(const Curve& curve, int depth = 0) {
+    const auto last = static_cast<std::size_t>(curve.degree);
+    Vec2 low = curve.control[0];
+    Vec2 high = low;
+    double length = 0;
+    for (std::size_t i = 1; i <= last; ++i) {
+      const Vec2 p = curve.control[i];
+      low = {std::min(low.x, p.x), std::min(low.y, p.y)};
+      high = {std::max(high.x, p.x), std::max(high.y, p.y)};
+      length += norm(p - curve.control[i - 1]);
+    }
+    if (!(high.x >= column_begin_ && low.x < column_end_ && high.y >= row_begin_ && low.y < row_end_)) return;
+    if (length <= kChord || depth == kMaxDepth) {
+      add_chord(curve.control[0], curve.control[last]);
+      return;
+    }
+    const auto [left, right] = curve.halves();
+    add(left, depth + 1);
+    add(right, depth + 1);
+  }
+
+  std::vector<std::uint64_t> sorted() {
+    std::sort(keys_.begin(), keys_.end());
+    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
+    return std::move(keys_);
+  }
+
+ private:
+  static constexpr double kChord = 0.5;  // longest, in grid pixels
+  static constexpr int kMaxDepth = 48;   // halves any finite length that matters to below a chord
+
+  void add_chord(Vec2 from, Vec2 to) {
+    const auto pixel = [](double v, int low, int high) {
+      return static_cast<int>(std::clamp(std::floor(v), static_cast<double>(low), static_cast<double>(high)));
+    };
+    const int y1 = pixel(std::max(from.y, to.y), row_begin_, row_end_ - 1);
+    const int x1 = pixel(std::max(from.x, to.x), column_begin_, column_end_ - 1);
+    for (int y = pixel(std::min(from.y, to.y), row_begin_, row_end_ - 1); y <= y1; ++y) {
+      for (int x = pixel(std::min(from.x, to.x), column_begin_, column_end_ - 1); x <= x1; ++x) {
+        if (!crosses(from, to, x, y)) continue;
+        keys_.push_back((static_cast<std::uint64_t>(y) << 32) | static_cast<std::uint32_t>(x));
+      }
+    }
+  }
+
+  int row_begin_;
+  int row_end_;
+  int column_begin_;
+  int column_end_;
+  std::vector<std::uint64_t> keys_;
+};
+
+std::pair<FeatureTrace::Curve, FeatureTrace::Curve> FeatureTrace::Curve::halves() const {
+  Curve left{control, degree};
+  Curve right{control, degree};
+  for (int level = degree; level > 0; --level) {
+    for (int i = 0; i < level; ++i) {
+      const auto k = static_cast<std::size_t>(i);
+      right.control[k] = 0.5 * (right.control[k] + right.control[k + 1]);
+    }
+    left.control[static_cast<std::size_t>(degree - level + 1)] = right.control[0];
+  }
+  return {left, right};
+}
+
 std::vector<std::uint64_t> FeatureTrace::crossed_pixels(double pixel_width, double pixel_height,
                                                         int row_begin, int row_end, int column_begin,
                                                         int column_end) const {
-  constexpr double kStep = 0.5;  // longest chord, in grid pixels
-  std::vector<std::uint64_t> keys;
-  for (const Curve& curve : curves_) {
-    std::array<Vec2, 4> c = curve.control;
-    const auto last = static_cast<std::size_t>(curve.degree);
-    double length = 0;
-    double top = std::numeric_limits<double>::infinity();
-    double bottom = -top;
-    for (std::size_t i = 0; i <= last; ++i) {
-      c[i] = {c[i].x / pixel_width, c[i].y / pixel_height};
-      top = std::min(top, c[i].y);
-      bottom = std::max(bottom, c[i].y);
-      if (i > 0) length += norm(c[i] - c[i - 1]);
-    }
-    if (bottom < row_begin || top >= row_end) continue;
-    const Curve scaled{c, curve.degree};
-    // Bounded whatever the control points say.
-    const auto steps = static_cast<int>(std::min(std::ceil(length / kStep) + 1, 4e6));
-    Vec2 from = scaled.at(0);
-    for (int i = 1; i <= steps; ++i) {
-      const Vec2 to = scaled.at(static_cast<double>(i) / steps);
-      const auto clamp = [](double v, int low, int high) {
-        return static_cast<int>(std::clamp(std::floor(v), low - 1.0, static_cast<double>(high)));
-      };
-      const int x0 = std::max(clamp(std::min(from.x, to.x), column_begin, column_end), column_begin);
-      const int x1 = std::min(clamp(std::max(from.x, to.x), column_begin, column_end), column_end - 1);
-      const int y0 = std::max(clamp(std::min(from.y, to.y), row_begin, row_end), row_begin);
-      const int y1 = std::min(clamp(std::max(from.y, to.y), row_begin, row_end), row_end - 1);
-      for (int y = y0; y <= y1; ++y) {
-        for (int x = x0; x <= x1; ++x) {
-          if (!crosses(from, to, x, y)) continue;
-          keys.push_back((static_cast<std::uint64_t>(y) << 32) | static_cast<std::uint32_t>(x));
-        }
-      }
-      from = to;
-    }
+  PixelWalk walk(row_begin, row_end, column_begin, column_end);
+  for (Curve curve : curves_) {
+    for (Vec2& c : curve.control) c = {c.x / pixel_width, c.y / pixel_height};
+    walk.add(curve);
   }
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  return keys;
+  return walk.sorted();
 }
 
 double FeatureTrace::distance(Vec2 x, int steps) const {

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 #include "raster/surface.h"
@@ -30,7 +31,10 @@ class FeatureTrace {
     int degree;
 
     Vec2 at(double t) const;
+    std::pair<Curve, Curve> halves() const;
   };
+  class PixelWalk;
+
   std::vector<Curve> curves_;
 };
 

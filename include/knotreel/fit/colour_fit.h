@@ -12,7 +12,7 @@ struct ColourFitOptions {
   /// that few pixels decide towards the colour of the picture at their Greville sites. > 0.
   double ridge = 1e-5;
   /// Keeps the surface C1 (degree 2) or C2 (degree 3) at multiple knots too, see spline/smooth_corners.h.
-  bool smooth_corners = false;
+  bool smooth_corners = true;
 };
 
 /// Colour control points of the least-squares fit to a picture whose pixels are parametrized by their own
