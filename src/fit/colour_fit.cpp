@@ -42,7 +42,7 @@ std::vector<double> fit_colours(const spline::Basis& basis, const image::Image& 
   if (space.mesh().width != image.width || space.mesh().height != image.height) {
     throw Error(ErrorKind::kInvalidArgument, "the colour fit needs a knot mesh of the size of the picture");
   }
-  NormalEquations normal = assemble(basis.evaluate_grid(image.width, image.height), image);
+  NormalEquations normal = assemble(basis, image);
   const double ridge = options.ridge * normal.matrix.diagonal().maxCoeff();
   for (Eigen::Index i = 0; i < normal.matrix.rows(); ++i) normal.matrix.coeffRef(i, i) += ridge;
 

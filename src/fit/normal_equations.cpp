@@ -70,18 +70,12 @@ double dot_rows(const GridValues& grid, const GridValues::Row& a, const GridValu
   return sum;
 }
 
-}  // namespace
-
-NormalEquations assemble(const GridValues& grid, const image::Image& image) {
+/// Adds the products of one band of rows.
+void add_band(const GridValues& grid, const image::Image& image, std::vector<Eigen::Triplet<double>>& entries,
+              Eigen::MatrixXd& right) {
   const std::size_t functions = grid.row_begin.size() - 1;
   const RowIndex index(grid, image.height);
-  struct Entry {
-    FunctionIndex other;
-    double value;
-  };
-  std::vector<std::vector<Entry>> columns(functions);
-  NormalEquations normal;
-  normal.right.setZero(static_cast<Eigen::Index>(functions), image.channels);
+  std::vector<std::vector<Eigen::Triplet<double>>> columns(functions);
 
   // Blocks of functions share a dense accumulator; few blocks, because each clears one as long as all
   // functions.
@@ -106,27 +100,39 @@ NormalEquations assemble(const GridValues& grid, const image::Image& image) {
         for (std::int32_t x = row.x_begin; x < row.x_end; ++x) {
           const double v = grid.values[row.offset + static_cast<std::size_t>(x - row.x_begin)];
           for (int c = 0; c < image.channels; ++c) {
-            normal.right(static_cast<Eigen::Index>(f), c) +=
-                v * static_cast<double>(pixels[x * image.channels + c]);
+            right(static_cast<Eigen::Index>(f), c) += v * static_cast<double>(pixels[x * image.channels + c]);
           }
         }
       }
       std::sort(touched.begin(), touched.end());
       for (const FunctionIndex g : touched) {
-        if (sum[g] != 0) columns[f].push_back({g, sum[g]});
+        if (sum[g] != 0) columns[f].emplace_back(g, f, sum[g]);
         sum[g] = 0;
         seen[g] = false;
       }
     }
   });
+  for (const auto& column : columns) entries.insert(entries.end(), column.begin(), column.end());
+}
 
-  normal.matrix.resize(static_cast<Eigen::Index>(functions), static_cast<Eigen::Index>(functions));
+// Pixels of a band: about 250 MB of values.
+constexpr int kBandPixels = 1 << 22;
+
+}  // namespace
+
+NormalEquations assemble(const spline::Basis& basis, const image::Image& image) {
+  const auto functions = static_cast<Eigen::Index>(basis.space().function_count());
+  NormalEquations normal;
+  normal.right.setZero(functions, image.channels);
   std::vector<Eigen::Triplet<double>> entries;
-  for (FunctionIndex f = 0; f < functions; ++f) {
-    // The diagonal is always there, so that a ridge has a place.
-    if (columns[f].empty() || columns[f].front().other != f) entries.emplace_back(f, f, 0.0);
-    for (const Entry& e : columns[f]) entries.emplace_back(e.other, f, e.value);
+  // The diagonal is always there, so that a ridge has a place.
+  for (Eigen::Index f = 0; f < functions; ++f) entries.emplace_back(f, f, 0.0);
+  const int band = std::max(1, kBandPixels / image.width);
+  for (int y = 0; y < image.height; y += band) {
+    const int end = std::min(image.height, y + band);
+    add_band(basis.evaluate_grid_rows(image.width, image.height, y, end), image, entries, normal.right);
   }
+  normal.matrix.resize(functions, functions);
   normal.matrix.setFromTriplets(entries.begin(), entries.end());
   return normal;
 }

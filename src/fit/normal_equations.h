@@ -15,8 +15,9 @@ struct NormalEquations {
   Eigen::MatrixXd right;               ///< functions x channels
 };
 
-/// @param grid  values at the centres of the image's pixels. Parallel over functions; same bits for any
-/// number.
-NormalEquations assemble(const spline::GridValues& grid, const image::Image& image);
+/// For the values of the basis functions at the centres of the image's pixels. The picture is taken in bands
+/// of rows, so that the values held at one time do not grow with it. Parallel over functions; same bits for
+/// any number of threads.
+NormalEquations assemble(const spline::Basis& basis, const image::Image& image);
 
 }  // namespace knotreel::fit

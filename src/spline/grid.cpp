@@ -29,9 +29,10 @@ Linear along_row(const Affine& a, double y) {
 
 class Grid {
  public:
-  Grid(const SplineSpace& space, int columns, int rows)
+  Grid(const SplineSpace& space, int columns, int rows, int row_begin, int row_end)
       : columns_(columns),
-        rows_(rows),
+        row_begin_(row_begin),
+        row_end_(row_end),
         dx_(space.mesh().width / columns),
         dy_(space.mesh().height / rows),
         width_(space.mesh().width),
@@ -41,7 +42,11 @@ class Grid {
   double y(std::int32_t row) const { return (row + 0.5) * dy_; }
 
   Reach rows_of(const PieceTerm& term) const {
-    return {first(term.low.y / dy_ - 0.5, rows_), last(term.high.y / dy_ - 0.5, rows_)};
+    const auto clamped = [&](double v) {
+      return static_cast<std::int32_t>(
+          std::clamp(v, static_cast<double>(row_begin_), static_cast<double>(row_end_)));
+    };
+    return {clamped(std::ceil(term.low.y / dy_ - 0.5)), clamped(std::floor(term.high.y / dy_ - 0.5) + 1)};
   }
 
   /// Columns of the support of a term in one row: exact at walls, a little generous at slopes, where the tent
@@ -60,7 +65,10 @@ class Grid {
     for (int i = 0; i < tent.slope_count; ++i) clip(tent.slopes[static_cast<std::size_t>(i)]);
     for (int i = 0; i < tent.wall_count; ++i) clip(tent.walls[static_cast<std::size_t>(i)]);
     // One column more on each side: rounding of the division, and points on a wall.
-    Reach reach{first(low / dx_ - 1.5, columns_), last(high / dx_ + 0.5, columns_)};
+    const auto clamped = [&](double v) {
+      return static_cast<std::int32_t>(std::clamp(v, 0.0, static_cast<double>(columns_)));
+    };
+    Reach reach{clamped(std::ceil(low / dx_ - 1.5)), clamped(std::floor(high / dx_ + 0.5) + 1)};
     if (tent.wall_count == 0) return reach;
     while (reach.begin < reach.end && !inside(tent, reach.begin, row)) ++reach.begin;
     while (reach.begin < reach.end && !inside(tent, reach.end - 1, row)) --reach.end;
@@ -68,13 +76,6 @@ class Grid {
   }
 
  private:
-  static std::int32_t first(double v, std::int32_t count) {
-    return static_cast<std::int32_t>(std::clamp(std::ceil(v), 0.0, static_cast<double>(count)));
-  }
-  static std::int32_t last(double v, std::int32_t count) {
-    return static_cast<std::int32_t>(std::clamp(std::floor(v) + 1, 0.0, static_cast<double>(count)));
-  }
-
   bool inside(const Tent& tent, std::int32_t column, std::int32_t row) const {
     const Vec2 u{x(column), y(row)};
     const Vec2 direction = inward_direction(u, width_, height_);
@@ -85,7 +86,8 @@ class Grid {
   }
 
   std::int32_t columns_;
-  std::int32_t rows_;
+  std::int32_t row_begin_;
+  std::int32_t row_end_;
   double dx_;
   double dy_;
   double width_;
@@ -237,7 +239,11 @@ GridValues lay_out(const SplineSpace& space, const PieceSet& set, const Reaches&
 }  // namespace
 
 GridValues Basis::evaluate_grid(int columns, int rows) const {
-  const Grid grid(*space_, columns, rows);
+  return evaluate_grid_rows(columns, rows, 0, rows);
+}
+
+GridValues Basis::evaluate_grid_rows(int columns, int rows, int row_begin, int row_end) const {
+  const Grid grid(*space_, columns, rows, row_begin, row_end);
   const Reaches reaches = find_reaches(pieces_, grid);
   GridValues result = lay_out(*space_, pieces_, reaches, columns);
 

@@ -92,6 +92,12 @@ TEST_P(UniformFit, TheResultDoesNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(colours[0], colours[1]);
 }
 
+TEST(ColourFit, LargePicturesAreFittedInBands) {
+  const image::Image image = picture(2100, 2100, 1, smooth);  // more than one band of 2^22 pixels
+  const auto model = fit_uniform(image, {.control_points = 200, .degree = 1});
+  EXPECT_GT(image::compare_images(image, rendered(model)).psnr, 35);
+}
+
 TEST(ColourFit, RefusesAMeshOfAnotherSize) {
   const auto space = std::make_shared<const spline::SplineSpace>(uniform_mesh(10, 10, 4, 1), 2);
   EXPECT_THROW(fit_colours(spline::Basis(space), image::make_image(11, 10, 3)), Error);

@@ -62,6 +62,34 @@ TEST_P(Evaluation, GridEqualsPoints) {
   }
 }
 
+TEST_P(Evaluation, GridRowsAreRowsOfTheGrid) {
+  for (const MeshCase& c : cases(5)) {
+    SCOPED_TRACE(c.name);
+    const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
+    const Basis basis(space);
+    const GridValues whole = basis.evaluate_grid(37, 41);
+    for (const auto& [begin, end] : {std::pair{0, 1}, {1, 17}, {17, 40}, {40, 41}, {41, 41}}) {
+      const GridValues part = basis.evaluate_grid_rows(37, 41, begin, end);
+      for (FunctionIndex f = 0; f < space->function_count(); ++f) {
+        std::vector<GridValues::Row> expected;
+        for (const GridValues::Row& r : whole.rows_of(f)) {
+          if (r.y >= begin && r.y < end) expected.push_back(r);
+        }
+        ASSERT_EQ(part.rows_of(f).size(), expected.size());
+        for (std::size_t i = 0; i < expected.size(); ++i) {
+          const GridValues::Row& r = part.rows_of(f)[i];
+          ASSERT_EQ(r.x_begin, expected[i].x_begin);
+          ASSERT_EQ(r.x_end, expected[i].x_end);
+          const auto n = static_cast<std::ptrdiff_t>(r.x_end - r.x_begin);
+          const auto from = part.values.begin() + static_cast<std::ptrdiff_t>(r.offset);
+          EXPECT_TRUE(std::equal(from, from + n,
+                                 whole.values.begin() + static_cast<std::ptrdiff_t>(expected[i].offset)));
+        }
+      }
+    }
+  }
+}
+
 TEST_P(Evaluation, ScatteredPointsEqualSinglePointsWithAnyNumberOfThreads) {
   const MeshCase c = knotreel::testing::random_cases(kSeed, 1).front();
   const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());

@@ -20,8 +20,8 @@ struct ColourFitOptions {
 /// @param basis  over a domain of image.width x image.height pixels.
 /// @return function by function, channels interleaved as in the image, scale 0..255, not clamped.
 /// @throws Error{kInvalidArgument} if domain and picture differ in size.
-/// Work is spread over all threads allowed; the result does not depend on their number. Memory: about 60
-/// bytes per pixel for the basis functions.
+/// Work is spread over all threads allowed; the result does not depend on their number. Memory: at most
+/// about 300 MB for the basis functions of a band of rows, and the factor of the normal equations.
 std::vector<double> fit_colours(const spline::Basis& basis, const image::Image& image,
                                 const ColourFitOptions& options = {});
 

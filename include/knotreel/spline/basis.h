@@ -101,6 +101,9 @@ class Basis {
   /// All functions at the centres of columns x rows pixels that cover the domain. One thread.
   GridValues evaluate_grid(int columns, int rows) const;
 
+  /// The same for the pixel rows [row_begin, row_end) of that grid only; equal bits, for bounded memory.
+  GridValues evaluate_grid_rows(int columns, int rows, int row_begin, int row_end) const;
+
  private:
   std::shared_ptr<const SplineSpace> space_;
   PieceSet pieces_;
