@@ -1,4 +1,6 @@
 #include <csignal>
+#include <filesystem>
+#include <fstream>
 
 #include "program.h"
 
@@ -36,6 +38,39 @@ TEST(CliInput, UnreadableInputsAreExit3) {
     if (name != "in.png") expect_failure(test::knotreel({"info", sample.path(name)}), 3);
   }
   EXPECT_EQ(sample.dir.entries(), 7u) << "no output may be left";
+}
+
+TEST(CliInput, DamagedDocumentsAreExit3OrRecoveredWhole) {
+  const Sample sample(1, 24, 16);
+  const std::string damaged = sample.path("damaged.tcb");
+  const std::string output = sample.path("out.pgm");
+  expect_success(test::knotreel({"render", sample.document, "-o", output}));
+  const std::string picture = test::read_text(output);
+  std::filesystem::remove(output);
+  const std::string whole = test::read_text(sample.document);
+  const auto write = [&](const std::string& bytes) { std::ofstream(damaged, std::ios::binary) << bytes; };
+
+  int recovered = 0;
+  for (std::size_t size = 0; size < whole.size(); size += 1 + whole.size() / 40) {
+    write(whole.substr(0, size));
+    const auto result = test::knotreel({"render", damaged, "-o", output});
+    if (result.exit_code == 0) {  // cut behind the last frame, in the index: nothing is lost
+      ++recovered;
+      EXPECT_EQ(test::read_text(output), picture) << size;
+      std::filesystem::remove(output);
+    } else {
+      test::expect_failure(result, 3);
+      EXPECT_FALSE(std::filesystem::exists(output)) << size;
+    }
+  }
+  EXPECT_LT(recovered, 20);
+  for (std::size_t at = 0; at < whole.size(); at += 1 + whole.size() / 40) {
+    std::string bytes = whole;
+    bytes[at] = static_cast<char>(bytes[at] ^ (1 << (at % 8)));
+    write(bytes);
+    test::expect_failure(test::knotreel({"render", damaged, "-o", output}), 3);
+    EXPECT_FALSE(std::filesystem::exists(output)) << at;
+  }
 }
 
 TEST(CliInput, PicturesOfDifferentSizeAreExit2) {

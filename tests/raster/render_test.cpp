@@ -23,12 +23,15 @@ constexpr std::uint64_t kSeed = 20260404;
 /// Meshes small enough for the reference, with features of every kind.
 std::vector<MeshCase> small_cases() {
   std::vector<MeshCase> cases = knotreel::testing::corpus_cases();
-  std::erase_if(cases, [](const MeshCase& c) {
-    // The map of a displaced mesh with knots a hundredth of a pixel apart is not one to one.
-    return c.name.ends_with("-mirrored") || c.name.ends_with("-turned") ||
-           c.name == "knots-squeezed-on-feature";
-  });
+  std::erase_if(
+      cases, [](const MeshCase& c) { return c.name.ends_with("-mirrored") || c.name.ends_with("-turned"); });
   return cases;
+}
+
+/// How far control points may be displaced at random, in pixels: not at all with knots a hundredth of a pixel
+/// apart, where the map would not be one to one.
+double displacement_reach(const MeshCase& c) {
+  return c.name == "knots-squeezed-on-feature" ? 0 : 2;
 }
 
 /// Distance of a pixel's centre from the nearest feature curve, in output pixels.
@@ -48,7 +51,7 @@ TEST(Render, PixelsOffTheFeaturesEqualTheReferenceAndCoverageIsRight) {
     SCOPED_TRACE(c.name);
     for (const int degree : {1, 2, 3}) {
       FrameModel model = knotreel::testing::blank_model(c.mesh, degree, 3);
-      knotreel::testing::displace_randomly(model, 2, kSeed);
+      knotreel::testing::displace_randomly(model, displacement_reach(c), kSeed);
       knotreel::testing::colour_randomly(model, kSeed);
       const FeatureTrace trace(Surface(model), c.mesh);
       for (const double scale : {1.0, 4.0}) {
@@ -87,7 +90,7 @@ TEST(Render, ColourEqualToPositionComesOutAsPosition) {
       FrameModel model = knotreel::testing::blank_model(c.mesh, degree, 2);
       model.channels = 3;
       model.colour.assign(model.space->function_count() * 3, 0.0);
-      knotreel::testing::displace_randomly(model, 2, kSeed + 1);
+      knotreel::testing::displace_randomly(model, displacement_reach(c), kSeed + 1);
       for (spline::FunctionIndex f = 0; f < model.space->function_count(); ++f) {
         const Vec2 p = model.space->greville(f) + model.displacement[model.space->geometry_of()[f]];
         model.colour[3 * f] = p.x;
