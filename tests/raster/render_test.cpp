@@ -300,6 +300,27 @@ TEST(Render, SmallerPicturesAreMeansOfLargerOnes) {
   }
 }
 
+TEST(Surface, DisplacementBoundsHoldForEveryParameterOfAnImagePoint) {
+  for (const MeshCase& c : knotreel::testing::random_cases(kSeed + 6, 10)) {
+    FrameModel model = knotreel::testing::blank_model(c.mesh, 2, 1);
+    // Far, so that the parameter and its image lie in cells with different bounds.
+    const std::vector<Vec2> sites = model.space->geometry_greville();
+    for (std::size_t g = 0; g < sites.size(); ++g) {
+      model.displacement[g] = {0.2 * c.mesh.width * std::sin(3.14 * sites[g].x / c.mesh.width),
+                               0.05 * sites[g].y};
+    }
+    const Surface surface(model);
+    for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kSeed, 500)) {
+      const Vec2 d = surface.evaluate(u).displacement;
+      const Surface::Bounds b = surface.displacement_bounds(u + d, u + d);
+      EXPECT_GE(d.x, b.low.x - 1e-9) << c.to_text();
+      EXPECT_GE(d.y, b.low.y - 1e-9) << c.to_text();
+      EXPECT_LE(d.x, b.high.x + 1e-9) << c.to_text();
+      EXPECT_LE(d.y, b.high.y + 1e-9) << c.to_text();
+    }
+  }
+}
+
 TEST(Render, RefusesSizesAndCropsThatMakeNoSense) {
   const FrameModel model = two_coloured_model(2, kSeed);
   for (const RenderOptions& bad : {RenderOptions{.width = -1}, RenderOptions{.width = 1 << 25},
