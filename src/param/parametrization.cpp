@@ -1,0 +1,1 @@
+#include "knotreel/param/parametrization.h"
