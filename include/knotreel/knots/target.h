@@ -1,0 +1,107 @@
+#pragma once
+
+#include <array>
+#include <vector>
+
+#include "knotreel/base/vec2.h"
+#include "knotreel/image/image.h"
+
+/// Knot meshes for pictures: where to put knots and how to join them (paper sec. 6, 8).
+namespace knotreel::knots {
+
+/// Sums over the pixels of a region: of weight w, of w times x, y and their products, and of w times the
+/// colour c, x c and y c per channel; squares holds the sum of w |c|^2 over all channels. Positions are pixel
+/// centres.
+struct Moments {
+  double w = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, squares = 0;
+  std::array<double, 4> c{}, xc{}, yc{};
+};
+
+/// The best linear approximation of the picture on a region, in the least-squares sense.
+struct LinearFit {
+  double error = 0;               ///< sum of w times the squared colour error over pixels and channels
+  double weight = 0;              ///< sum of w
+  Vec2 centre;                    ///< weighted mean of the positions
+  std::array<double, 4> value{};  ///< colour at the centre
+  std::array<Vec2, 4> gradient{};
+
+  double at(Vec2 u, std::size_t channel) const { return value[channel] + dot(gradient[channel], u - centre); }
+};
+
+/// A picture over the parametric domain with a weight per pixel, ready for sums over triangles: prefix sums
+/// along its rows make the cost of a sum proportional to the height of the triangle, not to its area.
+/// Immutable and thread safe. Memory: (4 + 2 * channels) doubles per pixel besides the picture.
+class Target {
+ public:
+  /// @param weights one per pixel, 0 or more; empty: all 1.
+  /// @throws Error{kInvalidArgument} if the sizes disagree.
+  Target(image::Image image, std::vector<float> weights);
+
+  const image::Image& image() const { return image_; }
+  int channels() const { return image_.channels; }
+  double weight(int x, int y) const {
+    return weights_.empty() ? 1.0 : static_cast<double>(weights_[pixel(x, y)]);
+  }
+
+  /// Sums over the pixels whose centres lie in a positively oriented triangle. A centre on an edge belongs to
+  /// exactly one of the two triangles there.
+  Moments moments(const std::array<Vec2, 3>& triangle) const;
+
+  /// The same, summed up to the best linear approximation (paper Eq. 7).
+  LinearFit fit(const std::array<Vec2, 3>& triangle) const;
+  /// Only its error.
+  double error(const std::array<Vec2, 3>& triangle) const;
+
+  /// Squared colour error of a linear approximation at a point, the picture interpolated between pixels.
+  double squared_error(const LinearFit& fit, Vec2 u) const;
+
+  /// Calls visit(x, y) for all pixels whose centres lie in the triangle, as in moments().
+  template <class Visit>
+  void for_pixels(const std::array<Vec2, 3>& triangle, Visit&& visit) const;
+
+ private:
+  std::size_t pixel(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(x);
+  }
+
+  image::Image image_;
+  std::vector<float> weights_;
+  std::size_t stride_ = 0;
+  std::vector<double> prefix_;
+};
+
+/// Rows of pixels of a triangle: for row y, columns [begin(y), end(y)).
+class TriangleRows {
+ public:
+  TriangleRows(const std::array<Vec2, 3>& triangle, int width, int height);
+
+  int first() const { return first_; }
+  int last() const { return last_; }  ///< one past
+  /// Columns of a row in [first(), last()).
+  void columns(int y, int& begin, int& end) const;
+
+ private:
+  struct Line {
+    double x, y, slope, y_end;
+  };
+  double cut(const Line& line, double y) const { return line.x + (y - line.y) * line.slope; }
+
+  int width_;
+  int first_ = 0;
+  int last_ = 0;
+  Line long_, upper_, lower_;
+  bool long_is_left_ = true;
+};
+
+template <class Visit>
+void Target::for_pixels(const std::array<Vec2, 3>& triangle, Visit&& visit) const {
+  const TriangleRows rows(triangle, image_.width, image_.height);
+  for (int y = rows.first(); y < rows.last(); ++y) {
+    int begin = 0;
+    int end = 0;
+    rows.columns(y, begin, end);
+    for (int x = begin; x < end; ++x) visit(x, y);
+  }
+}
+
+}  // namespace knotreel::knots

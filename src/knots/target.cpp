@@ -1,0 +1,194 @@
+#include "knotreel/knots/target.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/multiversion.h"
+#include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
+
+namespace knotreel::knots {
+
+namespace {
+
+// Slots of the prefix sums; after kSquares come c and x c for each channel.
+enum Slot : std::size_t { kW, kX, kXX, kSquares, kColour };
+
+/// The first pixel whose centre is at or right of x.
+int first_column(double x) {
+  return static_cast<int>(std::ceil(x - 0.5));
+}
+
+/// Draws slopes that few pixels decide towards zero: this many pixels at distance one say that there is none.
+constexpr double kSlopeRidge = 1.0;
+
+/// Sums of one triangle with C channels.
+template <std::size_t C>
+Moments sum_rows(const TriangleRows& rows, const double* prefix, std::size_t row_size) {
+  constexpr std::size_t kStride = 4 + 2 * C;
+  double sum[kStride] = {};
+  double y_sum[kStride] = {};
+  double yy = 0;
+  for (int y = rows.first(); y < rows.last(); ++y) {
+    int begin = 0;
+    int end = 0;
+    rows.columns(y, begin, end);
+    if (begin >= end) continue;
+    const double* row = prefix + static_cast<std::size_t>(y) * row_size;
+    const double* p = row + static_cast<std::size_t>(begin) * kStride;
+    const double* q = row + static_cast<std::size_t>(end) * kStride;
+    const double centre = y + 0.5;
+    for (std::size_t i = 0; i < kStride; ++i) {
+      const double d = q[i] - p[i];
+      sum[i] += d;
+      y_sum[i] += centre * d;
+    }
+    yy += centre * centre * (q[kW] - p[kW]);
+  }
+  Moments m;
+  m.w = sum[kW];
+  m.x = sum[kX];
+  m.xx = sum[kXX];
+  m.squares = sum[kSquares];
+  m.y = y_sum[kW];
+  m.xy = y_sum[kX];
+  m.yy = yy;
+  for (std::size_t c = 0; c < C; ++c) {
+    m.c[c] = sum[kColour + c];
+    m.xc[c] = sum[kColour + C + c];
+    m.yc[c] = y_sum[kColour + c];
+  }
+  return m;
+}
+
+KNOTREEL_MULTIVERSION
+Moments sum_triangle(const TriangleRows& rows, const double* prefix, std::size_t row_size, int channels) {
+  switch (channels) {
+    case 1:
+      return sum_rows<1>(rows, prefix, row_size);
+    case 2:
+      return sum_rows<2>(rows, prefix, row_size);
+    case 3:
+      return sum_rows<3>(rows, prefix, row_size);
+    default:
+      return sum_rows<4>(rows, prefix, row_size);
+  }
+}
+
+}  // namespace
+
+TriangleRows::TriangleRows(const std::array<Vec2, 3>& triangle, int width, int height) : width_(width) {
+  std::array<Vec2, 3> p = triangle;
+  // By y, ties by x: both triangles on an edge then compute it from the same end.
+  const auto before = [](Vec2 a, Vec2 b) { return a.y != b.y ? a.y < b.y : a.x < b.x; };
+  if (before(p[1], p[0])) std::swap(p[0], p[1]);
+  if (before(p[2], p[1])) std::swap(p[1], p[2]);
+  if (before(p[1], p[0])) std::swap(p[0], p[1]);
+  first_ = std::max(0, first_column(p[0].y));
+  last_ = std::min(height, first_column(p[2].y));
+  const auto line = [](Vec2 a, Vec2 b) {
+    return Line{a.x, a.y, b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0.0, b.y};
+  };
+  long_ = line(p[0], p[2]);
+  upper_ = line(p[0], p[1]);
+  lower_ = line(p[1], p[2]);
+  long_is_left_ = cross(p[2] - p[0], p[1] - p[0]) < 0;
+}
+
+void TriangleRows::columns(int y, int& begin, int& end) const {
+  const double centre = y + 0.5;
+  const double across = cut(long_, centre);
+  const double other = cut(centre < upper_.y_end ? upper_ : lower_, centre);
+  begin = std::clamp(first_column(long_is_left_ ? across : other), 0, width_);
+  end = std::clamp(first_column(long_is_left_ ? other : across), begin, width_);
+}
+
+Target::Target(image::Image image, std::vector<float> weights)
+    : image_(std::move(image)), weights_(std::move(weights)) {
+  if (!weights_.empty() && weights_.size() != image_.pixel_count()) {
+    throw Error(ErrorKind::kInvalidArgument, "a picture needs one weight per pixel");
+  }
+  const auto channels = static_cast<std::size_t>(image_.channels);
+  const auto width = static_cast<std::size_t>(image_.width);
+  stride_ = kColour + 2 * channels;
+  prefix_.resize(static_cast<std::size_t>(image_.height) * (width + 1) * stride_);
+  parallel_for(static_cast<std::size_t>(image_.height), [&](std::size_t y) {
+    double* at = prefix_.data() + y * (width + 1) * stride_;
+    const float* pixel = image_.row(static_cast<int>(y)).data();
+    for (std::size_t x = 0; x < width; ++x, at += stride_, pixel += channels) {
+      const double w = weights_.empty() ? 1.0 : static_cast<double>(weights_[y * width + x]);
+      const double centre = static_cast<double>(x) + 0.5;
+      double squares = 0;
+      double* to = at + stride_;
+      for (std::size_t c = 0; c < channels; ++c) {
+        const double v = static_cast<double>(pixel[c]);
+        squares += v * v;
+        to[kColour + c] = at[kColour + c] + w * v;
+        to[kColour + channels + c] = at[kColour + channels + c] + w * centre * v;
+      }
+      to[kW] = at[kW] + w;
+      to[kX] = at[kX] + w * centre;
+      to[kXX] = at[kXX] + w * centre * centre;
+      to[kSquares] = at[kSquares] + w * squares;
+    }
+  });
+}
+
+Moments Target::moments(const std::array<Vec2, 3>& triangle) const {
+  const TriangleRows rows(triangle, image_.width, image_.height);
+  return sum_triangle(rows, prefix_.data(), (static_cast<std::size_t>(image_.width) + 1) * stride_,
+                      image_.channels);
+}
+
+LinearFit Target::fit(const std::array<Vec2, 3>& triangle) const {
+  const Moments m = moments(triangle);
+  LinearFit fit;
+  fit.weight = m.w;
+  if (m.w <= 0) {
+    fit.centre = (1.0 / 3) * (triangle[0] + triangle[1] + triangle[2]);
+    return fit;
+  }
+  fit.centre = {m.x / m.w, m.y / m.w};
+  const double xx = m.xx - fit.centre.x * m.x + kSlopeRidge;
+  const double xy = m.xy - fit.centre.x * m.y;
+  const double yy = m.yy - fit.centre.y * m.y + kSlopeRidge;
+  const double scale = 1 / (xx * yy - xy * xy);
+  double explained = 0;
+  for (std::size_t c = 0; c < static_cast<std::size_t>(image_.channels); ++c) {
+    fit.value[c] = m.c[c] / m.w;
+    const double xc = m.xc[c] - fit.centre.x * m.c[c];
+    const double yc = m.yc[c] - fit.centre.y * m.c[c];
+    fit.gradient[c] = {scale * (yy * xc - xy * yc), scale * (xx * yc - xy * xc)};
+    explained += fit.value[c] * m.c[c] + fit.gradient[c].x * xc + fit.gradient[c].y * yc;
+  }
+  fit.error = std::max(0.0, m.squares - explained);
+  return fit;
+}
+
+double Target::error(const std::array<Vec2, 3>& triangle) const {
+  return fit(triangle).error;
+}
+
+double Target::squared_error(const LinearFit& fit, Vec2 u) const {
+  const double px = std::clamp(u.x - 0.5, 0.0, static_cast<double>(image_.width - 1));
+  const double py = std::clamp(u.y - 0.5, 0.0, static_cast<double>(image_.height - 1));
+  const int x = std::min(static_cast<int>(px), std::max(0, image_.width - 2));
+  const int y = std::min(static_cast<int>(py), std::max(0, image_.height - 2));
+  const double fx = px - x;
+  const double fy = py - y;
+  const auto channels = static_cast<std::size_t>(image_.channels);
+  const std::size_t right = image_.width > 1 ? channels : 0;
+  const std::size_t below = image_.height > 1 ? image_.row_size() : 0;
+  const float* p = image_.samples.data() + pixel(x, y) * channels;
+  double sum = 0;
+  for (std::size_t c = 0; c < channels; ++c) {
+    const double top = (1 - fx) * static_cast<double>(p[c]) + fx * static_cast<double>(p[right + c]);
+    const double low =
+        (1 - fx) * static_cast<double>(p[below + c]) + fx * static_cast<double>(p[below + right + c]);
+    const double d = (1 - fy) * top + fy * low - fit.at(u, c);
+    sum += d * d;
+  }
+  return sum;
+}
+
+}  // namespace knotreel::knots
