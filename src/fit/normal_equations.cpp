@@ -12,128 +12,169 @@ namespace {
 using spline::FunctionIndex;
 using spline::GridValues;
 
-/// For each pixel row, the function rows in it, by function.
-class RowIndex {
- public:
-  struct Entry {
-    FunctionIndex function;
-    const GridValues::Row* row;
-  };
+/// Pixels of a function: rows [top, bottom), columns [left, right).
+struct Box {
+  std::int32_t left = 0;
+  std::int32_t right = 0;
+  std::int32_t top = 0;
+  std::int32_t bottom = 0;
 
-  RowIndex(const GridValues& grid, int rows) : begin_(static_cast<std::size_t>(rows) + 1, 0) {
-    for (const GridValues::Row& r : grid.rows) ++begin_[static_cast<std::size_t>(r.y) + 1];
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    entries_.resize(grid.rows.size());
-    std::vector<std::size_t> cursor(begin_.begin(), begin_.end() - 1);
-    for (FunctionIndex f = 0; f + 1 < grid.row_begin.size(); ++f) {
-      for (const GridValues::Row& r : grid.rows_of(f))
-        entries_[cursor[static_cast<std::size_t>(r.y)]++] = {f, &r};
+  bool empty() const { return left >= right || top >= bottom; }
+  bool overlaps(const Box& other) const {
+    return left < other.right && other.left < right && top < other.bottom && other.top < bottom;
+  }
+};
+
+std::vector<Box> boxes_of(const GridValues& grid) {
+  std::vector<Box> boxes(grid.row_begin.size() - 1);
+  for (FunctionIndex f = 0; f < boxes.size(); ++f) {
+    Box& box = boxes[f];
+    for (const GridValues::Row& row : grid.rows_of(f)) {
+      if (row.x_begin >= row.x_end) continue;
+      if (box.empty()) box = {row.x_begin, row.x_end, row.y, row.y + 1};
+      box.left = std::min(box.left, row.x_begin);
+      box.right = std::max(box.right, row.x_end);
+      box.bottom = row.y + 1;
     }
-    for (std::size_t y = 0; y + 1 < begin_.size(); ++y) {
-      std::int32_t longest = 0;
-      const auto first = entries_.begin() + static_cast<std::ptrdiff_t>(begin_[y]);
-      const auto last = entries_.begin() + static_cast<std::ptrdiff_t>(begin_[y + 1]);
-      std::sort(first, last, [](const Entry& a, const Entry& b) {
-        return a.row->x_begin != b.row->x_begin ? a.row->x_begin < b.row->x_begin : a.function < b.function;
-      });
-      for (auto it = first; it != last; ++it) longest = std::max(longest, it->row->x_end - it->row->x_begin);
-      longest_.push_back(longest);
+  }
+  return boxes;
+}
+
+/// Functions by square cells of pixels that their boxes touch.
+class BoxIndex {
+ public:
+  BoxIndex(const std::vector<Box>& boxes, int width, int height)
+      : boxes_(boxes),
+        columns_(static_cast<std::size_t>(width / kCell) + 1),
+        begin_(columns_ * (static_cast<std::size_t>(height / kCell) + 1) + 1, 0) {
+    for (const Box& box : boxes_) for_cells(box, [&](std::size_t cell) { ++begin_[cell + 1]; });
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    entries_.resize(begin_.back());
+    std::vector<std::size_t> cursor(begin_.begin(), begin_.end() - 1);
+    for (FunctionIndex f = 0; f < boxes_.size(); ++f) {
+      for_cells(boxes_[f], [&](std::size_t cell) { entries_[cursor[cell]++] = f; });
     }
   }
 
-  /// Calls visit for every function whose values in this row share pixels with `row`.
-  template <class Visit>
-  void for_overlapping(const GridValues::Row& row, Visit&& visit) const {
-    const auto y = static_cast<std::size_t>(row.y);
-    const auto first = entries_.begin() + static_cast<std::ptrdiff_t>(begin_[y]);
-    const auto last = entries_.begin() + static_cast<std::ptrdiff_t>(begin_[y + 1]);
-    auto it = std::lower_bound(first, last, row.x_begin - longest_[y],
-                               [](const Entry& e, std::int32_t x) { return e.row->x_begin < x; });
-    for (; it != last && it->row->x_begin < row.x_end; ++it) {
-      if (it->row->x_end > row.x_begin) visit(*it);
-    }
+  /// Functions from f on whose boxes overlap that of f, ascending.
+  void later_neighbours(FunctionIndex f, std::vector<FunctionIndex>& out) const {
+    out.clear();
+    for_cells(boxes_[f], [&](std::size_t cell) {
+      for (std::size_t i = begin_[cell]; i < begin_[cell + 1]; ++i) {
+        if (entries_[i] >= f && boxes_[entries_[i]].overlaps(boxes_[f])) out.push_back(entries_[i]);
+      }
+    });
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
   }
 
  private:
+  static constexpr int kCell = 16;
+
+  template <class Visit>
+  void for_cells(const Box& box, Visit&& visit) const {
+    if (box.empty()) return;
+    for (int y = box.top / kCell; y <= (box.bottom - 1) / kCell; ++y) {
+      for (int x = box.left / kCell; x <= (box.right - 1) / kCell; ++x) {
+        visit(static_cast<std::size_t>(y) * columns_ + static_cast<std::size_t>(x));
+      }
+    }
+  }
+
+  const std::vector<Box>& boxes_;
+  std::size_t columns_;
   std::vector<std::size_t> begin_;
-  std::vector<Entry> entries_;
-  std::vector<std::int32_t> longest_;
+  std::vector<FunctionIndex> entries_;
 };
 
-double dot_rows(const GridValues& grid, const GridValues::Row& a, const GridValues::Row& b) {
-  const std::int32_t from = std::max(a.x_begin, b.x_begin);
-  const std::int32_t to = std::min(a.x_end, b.x_end);
-  const double* p = grid.values.data() + a.offset + (from - a.x_begin);
-  const double* q = grid.values.data() + b.offset + (from - b.x_begin);
+/// Sum of the products of two functions over all pixels.
+double product(const GridValues& grid, FunctionIndex f, FunctionIndex g) {
+  const auto a = grid.rows_of(f);
+  const auto b = grid.rows_of(g);
+  const std::int32_t top = std::max(a.front().y, b.front().y);
+  const std::int32_t bottom = std::min(a.back().y, b.back().y) + 1;
   double sum = 0;
-  for (std::int32_t i = 0; i < to - from; ++i) sum += p[i] * q[i];
+  for (std::int32_t y = top; y < bottom; ++y) {
+    const GridValues::Row& p = a[static_cast<std::size_t>(y - a.front().y)];
+    const GridValues::Row& q = b[static_cast<std::size_t>(y - b.front().y)];
+    const std::int32_t from = std::max(p.x_begin, q.x_begin);
+    const std::int32_t to = std::min(p.x_end, q.x_end);
+    const double* u = grid.values.data() + p.offset + (from - p.x_begin);
+    const double* v = grid.values.data() + q.offset + (from - q.x_begin);
+    for (std::int32_t i = 0; i < to - from; ++i) sum += u[i] * v[i];
+  }
   return sum;
 }
 
-/// Adds the products of one band of rows.
-void add_band(const GridValues& grid, const image::Image& image, std::vector<Eigen::Triplet<double>>& entries,
-              Eigen::MatrixXd& right) {
-  const std::size_t functions = grid.row_begin.size() - 1;
-  const RowIndex index(grid, image.height);
-  std::vector<std::vector<Eigen::Triplet<double>>> columns(functions);
+struct Entry {
+  FunctionIndex row;
+  double value;
+};
 
-  // Blocks of functions share a dense accumulator; few blocks, because each clears one as long as all
-  // functions.
-  const std::size_t block_size = std::max<std::size_t>(64, functions / 64);
-  parallel_for((functions + block_size - 1) / block_size, [&](std::size_t block) {
-    std::vector<double> sum(functions, 0.0);
-    std::vector<FunctionIndex> touched;
-    std::vector<bool> seen(functions, false);
-    for (std::size_t k = block * block_size; k < std::min(functions, (block + 1) * block_size); ++k) {
-      const auto f = static_cast<FunctionIndex>(k);
-      touched.clear();
-      for (const GridValues::Row& row : grid.rows_of(f)) {
-        index.for_overlapping(row, [&](const RowIndex::Entry& e) {
-          if (e.function < f) return;
-          if (!seen[e.function]) {
-            seen[e.function] = true;
-            touched.push_back(e.function);
-          }
-          sum[e.function] += dot_rows(grid, row, *e.row);
-        });
-        const float* pixels = image.row(row.y).data();
-        for (std::int32_t x = row.x_begin; x < row.x_end; ++x) {
-          const double v = grid.values[row.offset + static_cast<std::size_t>(x - row.x_begin)];
-          for (int c = 0; c < image.channels; ++c) {
-            right(static_cast<Eigen::Index>(f), c) += v * static_cast<double>(pixels[x * image.channels + c]);
-          }
-        }
-      }
-      std::sort(touched.begin(), touched.end());
-      for (const FunctionIndex g : touched) {
-        if (sum[g] != 0) columns[f].emplace_back(g, f, sum[g]);
-        sum[g] = 0;
-        seen[g] = false;
+/// Column f of the lower triangle of A^T A, and row f of A^T b, for one band.
+void add_function(const PixelValues& values, const GridValues& grid, const BoxIndex& index, FunctionIndex f,
+                  std::vector<Entry>& column, Eigen::MatrixXd& right) {
+  thread_local std::vector<FunctionIndex> neighbours;
+  index.later_neighbours(f, neighbours);
+  for (const FunctionIndex g : neighbours) {
+    const double sum = product(grid, f, g);
+    if (sum != 0) column.push_back({g, sum});
+  }
+  const image::Image& image = values.image();
+  const bool weighted = !values.pixels().weights.empty();
+  for (const GridValues::Row& row : grid.rows_of(f)) {
+    const float* pixels = image.row(row.y).data();
+    for (std::int32_t x = row.x_begin; x < row.x_end; ++x) {
+      double v = grid.values[row.offset + static_cast<std::size_t>(x - row.x_begin)];
+      if (weighted) v *= values.root_weight(x, row.y);
+      for (int c = 0; c < image.channels; ++c) {
+        right(static_cast<Eigen::Index>(f), c) += v * static_cast<double>(pixels[x * image.channels + c]);
       }
     }
-  });
-  for (const auto& column : columns) entries.insert(entries.end(), column.begin(), column.end());
+  }
 }
 
-// Pixels of a band: about 250 MB of values.
-constexpr int kBandPixels = 1 << 22;
+Eigen::SparseMatrix<double> to_matrix(const std::vector<std::vector<Entry>>& columns) {
+  const auto n = static_cast<Eigen::Index>(columns.size());
+  Eigen::SparseMatrix<double> matrix(n, n);
+  Eigen::VectorXi sizes(n);
+  for (Eigen::Index f = 0; f < n; ++f)
+    sizes[f] = static_cast<int>(columns[static_cast<std::size_t>(f)].size());
+  matrix.reserve(sizes);
+  for (Eigen::Index f = 0; f < n; ++f) {
+    for (const Entry& e : columns[static_cast<std::size_t>(f)]) {
+      matrix.insert(static_cast<Eigen::Index>(e.row), f) = e.value;
+    }
+  }
+  matrix.makeCompressed();
+  return matrix;
+}
 
 }  // namespace
 
-NormalEquations assemble(const spline::Basis& basis, const image::Image& image) {
-  const auto functions = static_cast<Eigen::Index>(basis.space().function_count());
+NormalEquations assemble(const PixelValues& values) {
+  const std::size_t functions = values.basis().space().function_count();
+  const auto n = static_cast<Eigen::Index>(functions);
   NormalEquations normal;
-  normal.right.setZero(functions, image.channels);
-  std::vector<Eigen::Triplet<double>> entries;
-  // The diagonal is always there, so that a ridge has a place.
-  for (Eigen::Index f = 0; f < functions; ++f) entries.emplace_back(f, f, 0.0);
-  const int band = std::max(1, kBandPixels / image.width);
-  for (int y = 0; y < image.height; y += band) {
-    const int end = std::min(image.height, y + band);
-    add_band(basis.evaluate_grid_rows(image.width, image.height, y, end), image, entries, normal.right);
-  }
-  normal.matrix.resize(functions, functions);
-  normal.matrix.setFromTriplets(entries.begin(), entries.end());
+  normal.right.setZero(n, values.image().channels);
+  normal.matrix.resize(n, n);
+  values.for_bands([&](const GridValues& grid, int, int) {
+    const std::vector<Box> boxes = boxes_of(grid);
+    const BoxIndex index(boxes, values.image().width, values.image().height);
+    std::vector<std::vector<Entry>> columns(functions);
+    constexpr std::size_t kBlock = 64;
+    parallel_for((functions + kBlock - 1) / kBlock, [&](std::size_t block) {
+      for (std::size_t f = block * kBlock; f < std::min(functions, (block + 1) * kBlock); ++f) {
+        add_function(values, grid, index, static_cast<FunctionIndex>(f), columns[f], normal.right);
+        // The diagonal is always there, so that a ridge has a place.
+        if (columns[f].empty() || columns[f].front().row != f) {
+          columns[f].insert(columns[f].begin(), {static_cast<FunctionIndex>(f), 0.0});
+        }
+      }
+    });
+    const Eigen::SparseMatrix<double> band = to_matrix(columns);
+    normal.matrix = normal.matrix.nonZeros() == 0 ? band : Eigen::SparseMatrix<double>(normal.matrix + band);
+  });
   return normal;
 }
 

@@ -79,7 +79,7 @@ document::FrameModel fit_uniform(const image::Image& image, const UniformFitOpti
       uniform_mesh(width, height, spacing, options.seed), options.degree);
   model.displacement.resize(model.space->geometry_count());
   model.channels = image.channels;
-  model.colour = fit_colours(spline::Basis(model.space), image, options.colour);
+  model.colour = fit_colours(spline::Basis(model.space), {.image = &image}, options.colour).control;
   return model;
 }
 

@@ -3,7 +3,9 @@
 #include <limits>
 
 #include "base/multiversion.h"
+#include "knotreel/base/parallel.h"
 #include "knotreel/spline/basis.h"
+#include "spline/tent.h"
 
 /// Basis functions on a whole pixel grid, by spans: everything is linear along a row.
 namespace knotreel::spline {
@@ -41,12 +43,25 @@ class Grid {
   double x(std::int32_t column) const { return (column + 0.5) * dx_; }
   double y(std::int32_t row) const { return (row + 0.5) * dy_; }
 
-  Reach rows_of(const PieceTerm& term) const {
+  Vec2 inward(Vec2 u) const { return inward_direction(u, width_, height_); }
+
+  /// Rows with centres within `margin` of the box of a term.
+  Reach rows_of(const PieceTerm& term, double margin) const {
     const auto clamped = [&](double v) {
       return static_cast<std::int32_t>(
           std::clamp(v, static_cast<double>(row_begin_), static_cast<double>(row_end_)));
     };
-    return {clamped(std::ceil(term.low.y / dy_ - 0.5)), clamped(std::floor(term.high.y / dy_ - 0.5) + 1)};
+    return {clamped(std::ceil((term.low.y - margin) / dy_ - 0.5)),
+            clamped(std::floor((term.high.y + margin) / dy_ - 0.5) + 1)};
+  }
+
+  /// Columns with centres within `margin` of the box of a term.
+  Reach columns_in_box(const PieceTerm& term, double margin) const {
+    const auto clamped = [&](double v) {
+      return static_cast<std::int32_t>(std::clamp(v, 0.0, static_cast<double>(columns_)));
+    };
+    return {clamped(std::ceil((term.low.x - margin) / dx_ - 0.5)),
+            clamped(std::floor((term.high.x + margin) / dx_ - 0.5) + 1)};
   }
 
   /// Columns of the support of a term in one row: exact at walls, a little generous at slopes, where the tent
@@ -78,7 +93,7 @@ class Grid {
  private:
   bool inside(const Tent& tent, std::int32_t column, std::int32_t row) const {
     const Vec2 u{x(column), y(row)};
-    const Vec2 direction = inward_direction(u, width_, height_);
+    const Vec2 direction = inward(u);
     for (int i = 0; i < tent.wall_count; ++i) {
       if (!inside_wall(tent.walls[static_cast<std::size_t>(i)], u, direction)) return false;
     }
@@ -169,23 +184,100 @@ RowTask make_task(const Piece& piece, const PieceTerm& term, double y) {
   return task;
 }
 
+/// Pixels with places of their own in the parametric domain, instead of their centres.
+class Places {
+ public:
+  Places(const Grid& grid, int columns, int rows, std::span<const Vec2> places)
+      : columns_(columns), places_(places) {
+    if (places_.empty()) return;
+    const auto stride = static_cast<std::size_t>(columns) + 1;
+    moved_.assign(stride * (static_cast<std::size_t>(rows) + 1), 0);
+    for (int y = 0; y < rows; ++y) {
+      std::uint32_t in_row = 0;
+      for (int x = 0; x < columns; ++x) {
+        const Vec2 d = at(x, y) - Vec2{grid.x(x), grid.y(y)};
+        if (d.x != 0 || d.y != 0) {
+          ++in_row;
+          reach_ = std::max({reach_, std::abs(d.x), std::abs(d.y)});
+        }
+        const std::size_t i = (static_cast<std::size_t>(y) + 1) * stride + static_cast<std::size_t>(x) + 1;
+        moved_[i] = moved_[i - stride] + in_row;
+      }
+    }
+  }
+
+  Vec2 at(int x, int y) const {
+    return places_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
+                   static_cast<std::size_t>(x)];
+  }
+  /// Largest distance of a pixel from its place, by coordinate.
+  double reach() const { return reach_; }
+
+  /// Whether a pixel in the box of columns and rows, ends excluded, has a place of its own.
+  bool any_moved(Reach columns, Reach rows) const {
+    if (reach_ == 0 || columns.begin >= columns.end || rows.begin >= rows.end) return false;
+    const auto count = [&](std::int32_t x, std::int32_t y) {
+      return moved_[static_cast<std::size_t>(y) * (static_cast<std::size_t>(columns_) + 1) +
+                    static_cast<std::size_t>(x)];
+    };
+    return count(columns.end, rows.end) + count(columns.begin, rows.begin) !=
+           count(columns.begin, rows.end) + count(columns.end, rows.begin);
+  }
+
+ private:
+  int columns_;
+  std::span<const Vec2> places_;
+  std::vector<std::uint32_t> moved_;  ///< summed-area table
+  double reach_ = 0;
+};
+
 /// Where every term reaches, row by row.
 struct Reaches {
   std::vector<std::size_t> begin;   ///< per term, into reaches
   std::vector<std::int32_t> first;  ///< first row per term
+  std::vector<std::uint8_t> moved;  ///< per term: some pixels near it are not at their centres
   std::vector<Reach> reaches;
 };
 
-Reaches find_reaches(const PieceSet& set, const Grid& grid) {
+/// Columns where a term is not zero in a row of pixels with places of their own.
+Reach moved_columns(const PieceTerm& term, const Grid& grid, const Places& places, Reach columns,
+                    std::int32_t row) {
+  const auto zero = [&](std::int32_t column) {
+    const Vec2 u = places.at(column, row);
+    return tent_value(term.tent, u, grid.inward(u)) == 0;
+  };
+  while (columns.begin < columns.end && zero(columns.begin)) ++columns.begin;
+  while (columns.begin < columns.end && zero(columns.end - 1)) --columns.end;
+  return columns;
+}
+
+Reaches find_reaches(const PieceSet& set, const Grid& grid, const Places& places) {
+  const std::size_t terms = set.terms.size();
   Reaches r;
-  r.begin.reserve(set.terms.size() + 1);
-  for (const PieceTerm& term : set.terms) {
-    const Reach rows = grid.rows_of(term);
-    r.begin.push_back(r.reaches.size());
-    r.first.push_back(rows.begin);
-    for (std::int32_t y = rows.begin; y < rows.end; ++y) r.reaches.push_back(grid.columns_of(term, y));
+  r.begin.assign(terms + 1, 0);
+  r.first.resize(terms);
+  r.moved.resize(terms);
+  for (std::size_t t = 0; t < terms; ++t) {
+    Reach rows = grid.rows_of(set.terms[t], 0);
+    const Reach wide = grid.rows_of(set.terms[t], places.reach());
+    r.moved[t] = places.any_moved(grid.columns_in_box(set.terms[t], places.reach()), wide);
+    if (r.moved[t]) rows = wide;
+    r.first[t] = rows.begin;
+    r.begin[t + 1] = r.begin[t] + static_cast<std::size_t>(std::max(0, rows.end - rows.begin));
   }
-  r.begin.push_back(r.reaches.size());
+  r.reaches.resize(r.begin.back());
+  constexpr std::size_t kBlock = 256;
+  parallel_for((terms + kBlock - 1) / kBlock, [&](std::size_t block) {
+    for (std::size_t t = block * kBlock; t < std::min(terms, (block + 1) * kBlock); ++t) {
+      for (std::size_t i = r.begin[t]; i < r.begin[t + 1]; ++i) {
+        const PieceTerm& term = set.terms[t];
+        const auto y = r.first[t] + static_cast<std::int32_t>(i - r.begin[t]);
+        r.reaches[i] = r.moved[t]
+                           ? moved_columns(term, grid, places, grid.columns_in_box(term, places.reach()), y)
+                           : grid.columns_of(term, y);
+      }
+    }
+  });
   return r;
 }
 
@@ -236,6 +328,56 @@ GridValues lay_out(const SplineSpace& space, const PieceSet& set, const Reaches&
   return grid;
 }
 
+/// Adds the values of one term in one row of pixels with places of their own.
+void add_moved_row(const Piece& piece, const PieceTerm& term, const std::array<double*, 3>& out,
+                   const Grid& grid, const Places& places, std::int32_t row, Reach reach) {
+  for (std::int32_t x = reach.begin; x < reach.end; ++x) {
+    const Vec2 u = places.at(x, row);
+    double v = tent_value(term.tent, u, grid.inward(u));
+    if (v == 0) continue;
+    if (term.has_factor) v *= term.factor(u);
+    // Degree 1: u counts as inside the closed face, so a negative coordinate is the tolerance of a wall.
+    const double lowest = term.tent.slope_count == 0 ? 0 : -std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < 3; ++i) out[i][x - reach.begin] += v * std::max(piece.weights[i](u), lowest);
+  }
+}
+
+/// Adds up all terms in the rows [begin, end).
+void add_rows(const PieceSet& set, const Reaches& reaches, const Grid& grid, const Places& places,
+              const std::vector<double>& x, std::int32_t begin, std::int32_t end, GridValues& result) {
+  std::vector<double> nowhere(x.size());  // shares of functions that vanish
+  for (const Piece& piece : set.pieces) {
+    for (std::uint32_t t = piece.term_begin; t < piece.term_end; ++t) {
+      const auto count = static_cast<std::int32_t>(reaches.begin[t + 1] - reaches.begin[t]);
+      const std::int32_t from = std::max(begin, reaches.first[t]);
+      const std::int32_t to = std::min(end, reaches.first[t] + count);
+      for (std::int32_t y = from; y < to; ++y) {
+        const Reach reach =
+            reaches.reaches[reaches.begin[t] + static_cast<std::size_t>(y - reaches.first[t])];
+        if (reach.begin >= reach.end) continue;
+        std::array<double*, 3> out;
+        for (std::size_t v = 0; v < 3; ++v) {
+          const FunctionIndex f = piece.functions[v];
+          out[v] = nowhere.data();
+          if (f == kNoFunction) continue;
+          const std::size_t first = result.row_begin[f];
+          const GridValues::Row& row =
+              result.rows[first + static_cast<std::size_t>(y - result.rows[first].y)];
+          out[v] = result.values.data() + row.offset + (reach.begin - row.x_begin);
+        }
+        const PieceTerm& term = set.terms[t];
+        if (reaches.moved[t]) {
+          add_moved_row(piece, term, out, grid, places, y, reach);
+        } else {
+          RowTask task = make_task(piece, term, grid.y(y));
+          task.out = out;
+          add_row(task, term.has_factor, x.data() + reach.begin, reach.end - reach.begin);
+        }
+      }
+    }
+  }
+}
+
 }  // namespace
 
 GridValues Basis::evaluate_grid(int columns, int rows) const {
@@ -243,36 +385,23 @@ GridValues Basis::evaluate_grid(int columns, int rows) const {
 }
 
 GridValues Basis::evaluate_grid_rows(int columns, int rows, int row_begin, int row_end) const {
-  const Grid grid(*space_, columns, rows, row_begin, row_end);
-  const Reaches reaches = find_reaches(pieces_, grid);
-  GridValues result = lay_out(*space_, pieces_, reaches, columns);
+  return evaluate_pixels(columns, rows, {}, row_begin, row_end);
+}
 
+GridValues Basis::evaluate_pixels(int columns, int rows, std::span<const Vec2> places, int row_begin,
+                                  int row_end) const {
+  const Grid grid(*space_, columns, rows, row_begin, row_end);
+  const Places moved(grid, columns, rows, places);
+  const Reaches reaches = find_reaches(pieces_, grid, moved);
+  GridValues result = lay_out(*space_, pieces_, reaches, columns);
   std::vector<double> x(static_cast<std::size_t>(columns));
   for (std::int32_t c = 0; c < columns; ++c) x[static_cast<std::size_t>(c)] = grid.x(c);
-  std::vector<double> nowhere[3];  // shares of functions that vanish
-  for (auto& row : nowhere) row.resize(x.size());
-  for (const Piece& piece : pieces_.pieces) {
-    for (std::uint32_t t = piece.term_begin; t < piece.term_end; ++t) {
-      for (std::size_t i = reaches.begin[t]; i < reaches.begin[t + 1]; ++i) {
-        const Reach reach = reaches.reaches[i];
-        if (reach.begin >= reach.end) continue;
-        const std::int32_t y = reaches.first[t] + static_cast<std::int32_t>(i - reaches.begin[t]);
-        RowTask task = make_task(piece, pieces_.terms[t], grid.y(y));
-        for (std::size_t v = 0; v < 3; ++v) {
-          const FunctionIndex f = piece.functions[v];
-          if (f == kNoFunction) {
-            task.out[v] = nowhere[v].data();
-            continue;
-          }
-          const std::size_t first = result.row_begin[f];
-          const GridValues::Row& row =
-              result.rows[first + static_cast<std::size_t>(y - result.rows[first].y)];
-          task.out[v] = result.values.data() + row.offset + (reach.begin - row.x_begin);
-        }
-        add_row(task, pieces_.terms[t].has_factor, x.data() + reach.begin, reach.end - reach.begin);
-      }
-    }
-  }
+  // Few bands, because each looks at all terms.
+  const int band = std::max(16, (row_end - row_begin + 7) / 8);
+  parallel_for(static_cast<std::size_t>((row_end - row_begin + band - 1) / band), [&](std::size_t b) {
+    const int begin = row_begin + static_cast<int>(b) * band;
+    add_rows(pieces_, reaches, grid, moved, x, begin, std::min(row_end, begin + band), result);
+  });
   return result;
 }
 

@@ -100,7 +100,8 @@ TEST(ColourFit, LargePicturesAreFittedInBands) {
 
 TEST(ColourFit, RefusesAMeshOfAnotherSize) {
   const auto space = std::make_shared<const spline::SplineSpace>(uniform_mesh(10, 10, 4, 1), 2);
-  EXPECT_THROW(fit_colours(spline::Basis(space), image::make_image(11, 10, 3)), Error);
+  const image::Image wide = image::make_image(11, 10, 3);
+  EXPECT_THROW(fit_colours(spline::Basis(space), {.image = &wide}), Error);
 }
 
 }  // namespace

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "knotreel/image/image.h"
+#include "knotreel/fit/pixels.h"
 #include "knotreel/spline/basis.h"
 
 namespace knotreel::fit {
@@ -15,14 +15,20 @@ struct ColourFitOptions {
   bool smooth_corners = true;
 };
 
-/// Colour control points of the least-squares fit to a picture whose pixels are parametrized by their own
-/// centres (paper sec. 7.3, Eq. 13, with weight 1 for every pixel).
+struct ColourFit {
+  /// Control points, function by function, channels interleaved as in the image, scale 0..255, not clamped.
+  std::vector<double> control;
+  /// Picture minus surface at the pixels, times the square root of their weights; row-major, channels
+  /// interleaved.
+  std::vector<float> residual;
+  double squared_error = 0;  ///< sum of the squares of the residual
+};
+
+/// Least-squares fit of the colours (paper sec. 7.3, Eq. 13).
 /// @param basis  over a domain of image.width x image.height pixels.
-/// @return function by function, channels interleaved as in the image, scale 0..255, not clamped.
-/// @throws Error{kInvalidArgument} if domain and picture differ in size.
+/// @throws Error{kInvalidArgument} if sizes differ.
 /// Work is spread over all threads allowed; the result does not depend on their number. Memory: at most
 /// about 300 MB for the basis functions of a band of rows, and the factor of the normal equations.
-std::vector<double> fit_colours(const spline::Basis& basis, const image::Image& image,
-                                const ColourFitOptions& options = {});
+ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const ColourFitOptions& options = {});
 
 }  // namespace knotreel::fit

@@ -98,11 +98,18 @@ class Basis {
   /// Many points at once, on all threads allowed; the result does not depend on their number.
   ScatteredValues evaluate(std::span<const Vec2> points) const;
 
-  /// All functions at the centres of columns x rows pixels that cover the domain. One thread.
+  /// All functions at the centres of columns x rows pixels that cover the domain. On all threads allowed; the
+  /// result does not depend on their number.
   GridValues evaluate_grid(int columns, int rows) const;
 
   /// The same for the pixel rows [row_begin, row_end) of that grid only; equal bits, for bounded memory.
   GridValues evaluate_grid_rows(int columns, int rows, int row_begin, int row_end) const;
+
+  /// The same for pixels with places of their own: places[row * columns + column] is where that pixel lies in
+  /// the domain, on the side of a feature on which it is. Fast where that is the centre of the pixel.
+  /// @param places columns * rows points, or none: all at the centres.
+  GridValues evaluate_pixels(int columns, int rows, std::span<const Vec2> places, int row_begin,
+                             int row_end) const;
 
  private:
   std::shared_ptr<const SplineSpace> space_;
