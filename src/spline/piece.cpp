@@ -15,7 +15,12 @@ constexpr double kFlat = 1e-11;
 /// Collects what tents need to know about corners of one space.
 class TentMaker {
  public:
-  explicit TentMaker(const SplineSpace& space) : space_(space), sides_(space.mesh().segments.size()) {}
+  explicit TentMaker(const SplineSpace& space, const KnotShift* shift = nullptr)
+      : space_(space), shift_(shift), sides_(space.mesh().segments.size()) {}
+
+  Vec2 at(CornerIndex c) const {
+    return shift_ && knot(c) == shift_->knot ? shift_->position : space_.position(c);
+  }
 
   /// Degree 0: 1/area inside the triangle.
   std::optional<Tent> constant(const std::array<CornerIndex, 3>& t) const {
@@ -45,7 +50,6 @@ class TentMaker {
   }
 
  private:
-  Vec2 at(CornerIndex c) const { return space_.position(c); }
   mesh::KnotIndex knot(CornerIndex c) const { return space_.cut().corners[c].knot; }
 
   /// A line of the cut that holds both corners.
@@ -138,6 +142,7 @@ class TentMaker {
   }
 
   const SplineSpace& space_;
+  const KnotShift* shift_;
   std::size_t sides_;
 };
 
@@ -147,11 +152,11 @@ Affine area_weight(Vec2 b, Vec2 c) {
 }
 
 /// Cuts M_2(u | V) into three tents by the recurrence on the triangle of largest area (paper Eq. 1).
-void add_quadratic(const SplineSpace& space, const TentMaker& maker, const std::array<CornerIndex, 5>& v,
+void add_quadratic(const TentMaker& maker, const std::array<CornerIndex, 5>& v,
                    std::vector<PieceTerm>& terms) {
   double largest = 0;
   std::array<std::size_t, 3> t{};
-  const auto at = [&](std::size_t i) { return space.position(v[i]); };
+  const auto at = [&](std::size_t i) { return maker.at(v[i]); };
   for (std::size_t i = 0; i < 5; ++i) {
     for (std::size_t j = i + 1; j < 5; ++j) {
       for (std::size_t k = j + 1; k < 5; ++k) {
@@ -180,11 +185,11 @@ void add_quadratic(const SplineSpace& space, const TentMaker& maker, const std::
   }
 }
 
-void bound_terms(const SplineSpace& space, std::span<const CornerIndex> corners, std::span<PieceTerm> terms) {
-  Vec2 low = space.position(corners[0]);
+void bound_terms(const TentMaker& maker, std::span<const CornerIndex> corners, std::span<PieceTerm> terms) {
+  Vec2 low = maker.at(corners[0]);
   Vec2 high = low;
   for (const CornerIndex c : corners) {
-    const Vec2 p = space.position(c);
+    const Vec2 p = maker.at(c);
     low = {std::min(low.x, p.x), std::min(low.y, p.y)};
     high = {std::max(high.x, p.x), std::max(high.y, p.y)};
   }
@@ -192,6 +197,30 @@ void bound_terms(const SplineSpace& space, std::span<const CornerIndex> corners,
     term.low = low;
     term.high = high;
   }
+}
+
+Piece add_piece(const TentMaker& maker, const Config& config, int degree, std::vector<PieceTerm>& terms) {
+  const auto& t = config.triangle;
+  Piece piece;
+  piece.functions = config.functions;
+  for (std::size_t i = 0; i < 3; ++i) {
+    piece.weights[i] = area_weight(maker.at(t[(i + 1) % 3]), maker.at(t[(i + 2) % 3]));
+  }
+  piece.term_begin = static_cast<std::uint32_t>(terms.size());
+  if (degree == 1) {
+    if (const auto tent = maker.constant(t)) terms.push_back({*tent, {}, false, {}, {}});
+  } else if (degree == 2) {
+    if (const auto tent = maker.linear({t[0], t[1], t[2], config.inner[0]})) {
+      terms.push_back({*tent, {}, false, {}, {}});
+    }
+  } else {
+    add_quadratic(maker, {t[0], t[1], t[2], config.inner[0], config.inner[1]}, terms);
+  }
+  piece.term_end = static_cast<std::uint32_t>(terms.size());
+  const std::array<CornerIndex, 5> all{t[0], t[1], t[2], config.inner[0], config.inner[1]};
+  bound_terms(maker, std::span(all).first(2 + static_cast<std::size_t>(degree)),
+              std::span(terms).subspan(piece.term_begin));
+  return piece;
 }
 
 }  // namespace
@@ -202,29 +231,14 @@ PieceSet make_pieces(const SplineSpace& space) {
   set.pieces.reserve(space.configs().size());
   set.terms.reserve(space.configs().size() * (space.degree() == 3 ? 3 : 1));
   for (const Config& config : space.configs()) {
-    const auto& t = config.triangle;
-    Piece piece;
-    piece.functions = config.functions;
-    for (std::size_t i = 0; i < 3; ++i) {
-      piece.weights[i] = area_weight(space.position(t[(i + 1) % 3]), space.position(t[(i + 2) % 3]));
-    }
-    piece.term_begin = static_cast<std::uint32_t>(set.terms.size());
-    if (space.degree() == 1) {
-      if (const auto tent = maker.constant(t)) set.terms.push_back({*tent, {}, false, {}, {}});
-    } else if (space.degree() == 2) {
-      if (const auto tent = maker.linear({t[0], t[1], t[2], config.inner[0]})) {
-        set.terms.push_back({*tent, {}, false, {}, {}});
-      }
-    } else {
-      add_quadratic(space, maker, {t[0], t[1], t[2], config.inner[0], config.inner[1]}, set.terms);
-    }
-    piece.term_end = static_cast<std::uint32_t>(set.terms.size());
-    const std::array<CornerIndex, 5> all{t[0], t[1], t[2], config.inner[0], config.inner[1]};
-    bound_terms(space, std::span(all).first(2 + static_cast<std::size_t>(space.degree())),
-                std::span(set.terms).subspan(piece.term_begin));
-    set.pieces.push_back(piece);
+    set.pieces.push_back(add_piece(maker, config, space.degree(), set.terms));
   }
   return set;
+}
+
+Piece make_shifted_piece(const SplineSpace& space, std::size_t config, const KnotShift& shift,
+                         std::vector<PieceTerm>& terms) {
+  return add_piece(TentMaker(space, &shift), space.configs()[config], space.degree(), terms);
 }
 
 }  // namespace knotreel::spline

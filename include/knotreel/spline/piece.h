@@ -67,4 +67,14 @@ struct PieceSet {
 
 PieceSet make_pieces(const SplineSpace& space);
 
+/// A knot put elsewhere, close enough to keep all configs and their collinear knots as they are.
+struct KnotShift {
+  mesh::KnotIndex knot;
+  Vec2 position;
+};
+
+/// The piece of one config with one knot shifted; its terms are appended. For derivatives by knot positions.
+Piece make_shifted_piece(const SplineSpace& space, std::size_t config, const KnotShift& shift,
+                         std::vector<PieceTerm>& terms);
+
 }  // namespace knotreel::spline

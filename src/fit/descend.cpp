@@ -1,0 +1,162 @@
+#include "knotreel/fit/descend.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knotreel/fit/knot_gradient.h"
+
+namespace knotreel::fit {
+
+namespace {
+
+using mesh::KnotIndex;
+using mesh::KnotKind;
+using mesh::KnotMesh;
+
+std::vector<double> shortest_edges(const KnotMesh& mesh) {
+  std::vector<double> shortest(mesh.knots.size(), 1e300);
+  for (const mesh::Face& f : mesh.faces) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const KnotIndex a = f[i];
+      const KnotIndex b = f[(i + 1) % 3];
+      const double length = norm(mesh.knots[a].position - mesh.knots[b].position);
+      shortest[a] = std::min(shortest[a], length);
+      shortest[b] = std::min(shortest[b], length);
+    }
+  }
+  return shortest;
+}
+
+/// A triangle that must stay positive while knots move: a face of the mesh, or of a link.
+struct Guard {
+  std::array<KnotIndex, 3> knots;
+  double least_height;  ///< over its longest side, pixels
+};
+
+class Guards {
+ public:
+  Guards(const spline::SplineSpace& space, double min_distance) {
+    const auto& mesh = space.mesh();
+    for (const mesh::Face& f : mesh.faces) add(mesh, f, 0.25 * min_distance);
+    for (const spline::Config& c : space.configs()) {
+      const auto knot = [&](std::size_t i) { return space.cut().corners[c.triangle[i]].knot; };
+      add(mesh, {knot(0), knot(1), knot(2)}, 0.05);
+    }
+  }
+
+  /// Shrinks moves until no triangle is flatter than it may be.
+  void limit(const KnotMesh& mesh, std::vector<Vec2>& moves) const {
+    for (int attempt = 0; attempt < 6; ++attempt) {
+      std::vector<bool> bad(mesh.knots.size(), false);
+      bool any = false;
+      for (const Guard& g : guards_) {
+        if (height(mesh, g.knots, moves) >= g.least_height) continue;
+        any = true;
+        for (const KnotIndex k : g.knots) bad[k] = true;
+      }
+      if (!any) return;
+      const double factor = attempt < 4 ? 0.5 : 0.0;
+      for (KnotIndex k = 0; k < bad.size(); ++k) {
+        if (bad[k]) moves[k] = factor * moves[k];
+      }
+    }
+    std::fill(moves.begin(), moves.end(), Vec2{});
+  }
+
+ private:
+  static double height(const KnotMesh& mesh, const std::array<KnotIndex, 3>& t, const std::vector<Vec2>& moves) {
+    const Vec2 a = mesh.knots[t[0]].position + moves[t[0]];
+    const Vec2 b = mesh.knots[t[1]].position + moves[t[1]];
+    const Vec2 c = mesh.knots[t[2]].position + moves[t[2]];
+    const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
+    return 2 * signed_area(a, b, c) / longest;
+  }
+
+  void add(const KnotMesh& mesh, const std::array<KnotIndex, 3>& t, double least_height) {
+    if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return;
+    const double now = height(mesh, t, std::vector<Vec2>(mesh.knots.size()));
+    // Flat triangles of collinear knots stay flat.
+    if (now < 1e-6) return;
+    guards_.push_back({t, std::min(least_height, 0.5 * now)});
+  }
+
+  std::vector<Guard> guards_;
+};
+
+/// Knots on a side or a segment exactly there again, after a move along it.
+void snap_to_lines(KnotMesh& mesh, const KnotMesh& before) {
+  for (KnotIndex k = 0; k < mesh.knots.size(); ++k) {
+    if (mesh.knots[k].kind != KnotKind::kBorder) continue;
+    Vec2& p = mesh.knots[k].position;
+    const Vec2 old = before.knots[k].position;
+    if (old.x == 0 || old.x == mesh.width) p.x = old.x;
+    if (old.y == 0 || old.y == mesh.height) p.y = old.y;
+  }
+  for (const mesh::FeatureSegment& s : mesh.segments) {
+    const Vec2 from = mesh.knots[s.knots.front()].position;
+    const Vec2 along = mesh.knots[s.knots.back()].position - from;
+    for (std::size_t i = 1; i + 1 < s.knots.size(); ++i) {
+      Vec2& p = mesh.knots[s.knots[i]].position;
+      p = from + (dot(p - from, along) / dot(along, along)) * along;
+    }
+  }
+}
+
+/// Step lengths of the knots, each adapted to how its gradient turns.
+class Steps {
+ public:
+  Steps(const KnotMesh& mesh, double share) : lengths_(shortest_edges(mesh)), before_(mesh.knots.size()) {
+    for (double& l : lengths_) l *= share;
+  }
+
+  std::vector<Vec2> moves(const std::vector<Vec2>& gradient, const std::vector<double>& shortest) {
+    std::vector<Vec2> result(gradient.size());
+    for (std::size_t k = 0; k < gradient.size(); ++k) {
+      const double length = norm(gradient[k]);
+      if (!(length > 0)) continue;
+      const Vec2 direction = (-1 / length) * gradient[k];
+      const double turn = dot(direction, before_[k]);
+      lengths_[k] *= turn > 0.5 ? 1.3 : turn < -0.2 ? 0.5 : 1.0;
+      lengths_[k] = std::min(lengths_[k], 0.3 * shortest[k]);
+      before_[k] = direction;
+      result[k] = lengths_[k] * direction;
+    }
+    return result;
+  }
+
+  void shrink() {
+    for (double& l : lengths_) l *= 0.5;
+  }
+
+ private:
+  std::vector<double> lengths_;
+  std::vector<Vec2> before_;
+};
+
+}  // namespace
+
+ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options) {
+  ColourSurface best = std::move(start);
+  Steps steps(best.space->mesh(), options.first_step);
+  for (int i = 0; i < options.steps; ++i) {
+    const std::vector<Vec2> gradient = knot_gradient(spline::Basis(best.space), pixels, best.fit);
+    std::vector<Vec2> moves = steps.moves(gradient, shortest_edges(best.space->mesh()));
+    Guards(*best.space, options.min_distance).limit(best.space->mesh(), moves);
+    KnotMesh mesh = best.space->mesh();
+    for (KnotIndex k = 0; k < moves.size(); ++k) mesh.knots[k].position = mesh.knots[k].position + moves[k];
+    snap_to_lines(mesh, best.space->mesh());
+    ColourSurface next;
+    next.space = std::make_shared<const spline::SplineSpace>(spline::SplineSpace::from_link_codes(
+        std::move(mesh), best.space->degree(), best.space->link_codes()));
+    next.fit = fit_colours(spline::Basis(next.space), pixels, options.colour);
+    if (getenv("VD")) fprintf(stderr, "step %d: %.0f -> %.0f\n", i, best.fit.squared_error, next.fit.squared_error);
+    if (next.fit.squared_error < best.fit.squared_error) {
+      best = std::move(next);
+    } else {
+      steps.shrink();
+    }
+  }
+  return best;
+}
+
+}  // namespace knotreel::fit
