@@ -46,7 +46,8 @@ class Guards {
 
   /// Shrinks moves until no triangle is flatter than it may be.
   void limit(const KnotMesh& mesh, std::vector<Vec2>& moves) const {
-    for (int attempt = 0; attempt < 6; ++attempt) {
+    // Ends, because knots at rest break no guard, and later attempts put all knots of bad triangles to rest.
+    for (int attempt = 0;; ++attempt) {
       std::vector<bool> bad(mesh.knots.size(), false);
       bool any = false;
       for (const Guard& g : guards_) {
@@ -60,7 +61,6 @@ class Guards {
         if (bad[k]) moves[k] = factor * moves[k];
       }
     }
-    std::fill(moves.begin(), moves.end(), Vec2{});
   }
 
  private:
@@ -102,6 +102,10 @@ void snap_to_lines(KnotMesh& mesh, const KnotMesh& before) {
   }
 }
 
+// Factors of a step while the gradient of its knot keeps its direction, and when it turns.
+constexpr double kGrow = 1.2;
+constexpr double kShrink = 0.6;
+
 /// Step lengths of the knots, each adapted to how its gradient turns.
 class Steps {
  public:
@@ -116,16 +120,12 @@ class Steps {
       if (!(length > 0)) continue;
       const Vec2 direction = (-1 / length) * gradient[k];
       const double turn = dot(direction, before_[k]);
-      lengths_[k] *= turn > 0.5 ? 1.3 : turn < -0.2 ? 0.5 : 1.0;
+      lengths_[k] *= turn > 0.5 ? kGrow : turn < 0 ? kShrink : 1.0;
       lengths_[k] = std::min(lengths_[k], 0.3 * shortest[k]);
       before_[k] = direction;
       result[k] = lengths_[k] * direction;
     }
     return result;
-  }
-
-  void shrink() {
-    for (double& l : lengths_) l *= 0.5;
   }
 
  private:
@@ -136,25 +136,21 @@ class Steps {
 }  // namespace
 
 ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options) {
-  ColourSurface best = std::move(start);
+  ColourSurface best = start;
+  ColourSurface at = std::move(start);
   Steps steps(best.space->mesh(), options.first_step);
   for (int i = 0; i < options.steps; ++i) {
-    const std::vector<Vec2> gradient = knot_gradient(spline::Basis(best.space), pixels, best.fit);
-    std::vector<Vec2> moves = steps.moves(gradient, shortest_edges(best.space->mesh()));
-    Guards(*best.space, options.min_distance).limit(best.space->mesh(), moves);
-    KnotMesh mesh = best.space->mesh();
+    const std::vector<Vec2> gradient = knot_gradient(spline::Basis(at.space), pixels, at.fit);
+    std::vector<Vec2> moves = steps.moves(gradient, shortest_edges(at.space->mesh()));
+    Guards(*at.space, options.min_distance).limit(at.space->mesh(), moves);
+    KnotMesh mesh = at.space->mesh();
     for (KnotIndex k = 0; k < moves.size(); ++k) mesh.knots[k].position = mesh.knots[k].position + moves[k];
-    snap_to_lines(mesh, best.space->mesh());
-    ColourSurface next;
-    next.space = std::make_shared<const spline::SplineSpace>(spline::SplineSpace::from_link_codes(
-        std::move(mesh), best.space->degree(), best.space->link_codes()));
-    next.fit = fit_colours(spline::Basis(next.space), pixels, options.colour);
-    if (getenv("VD")) fprintf(stderr, "step %d: %.0f -> %.0f\n", i, best.fit.squared_error, next.fit.squared_error);
-    if (next.fit.squared_error < best.fit.squared_error) {
-      best = std::move(next);
-    } else {
-      steps.shrink();
-    }
+    snap_to_lines(mesh, at.space->mesh());
+    at.space = std::make_shared<const spline::SplineSpace>(spline::SplineSpace::from_link_codes(
+        std::move(mesh), at.space->degree(), at.space->link_codes()));
+    at.fit = fit_colours(spline::Basis(at.space), pixels, options.colour);
+    if (getenv("VD")) fprintf(stderr, "step %d: %.0f\n", i, at.fit.squared_error);
+    if (at.fit.squared_error < best.fit.squared_error) best = at;
   }
   return best;
 }
