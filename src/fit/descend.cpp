@@ -64,7 +64,8 @@ class Guards {
   }
 
  private:
-  static double height(const KnotMesh& mesh, const std::array<KnotIndex, 3>& t, const std::vector<Vec2>& moves) {
+  static double height(const KnotMesh& mesh, const std::array<KnotIndex, 3>& t,
+                       const std::vector<Vec2>& moves) {
     const Vec2 a = mesh.knots[t[0]].position + moves[t[0]];
     const Vec2 b = mesh.knots[t[1]].position + moves[t[1]];
     const Vec2 c = mesh.knots[t[2]].position + moves[t[2]];
@@ -146,8 +147,8 @@ ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOp
     KnotMesh mesh = at.space->mesh();
     for (KnotIndex k = 0; k < moves.size(); ++k) mesh.knots[k].position = mesh.knots[k].position + moves[k];
     snap_to_lines(mesh, at.space->mesh());
-    at.space = std::make_shared<const spline::SplineSpace>(spline::SplineSpace::from_link_codes(
-        std::move(mesh), at.space->degree(), at.space->link_codes()));
+    at.space = std::make_shared<const spline::SplineSpace>(
+        spline::SplineSpace::from_link_codes(std::move(mesh), at.space->degree(), at.space->link_codes()));
     at.fit = fit_colours(spline::Basis(at.space), pixels, options.colour);
     if (getenv("VD")) fprintf(stderr, "step %d: %.0f\n", i, at.fit.squared_error);
     if (at.fit.squared_error < best.fit.squared_error) best = at;

@@ -70,7 +70,8 @@ struct ResidualRow {
 
 /// Sum over the pixels [from, to) of tent * factor * sum_v weights[v] * q[v].
 KNOTREEL_MULTIVERSION
-double row_sum(const Piece& piece, const PieceTerm& term, const ResidualRow& row, double y, int from, int to) {
+double row_sum(const Piece& piece, const PieceTerm& term, const ResidualRow& row, double y, int from,
+               int to) {
   struct Line {
     double slope, offset;
   };

@@ -8,8 +8,8 @@ namespace knotreel::fit {
 
 struct DescentOptions {
   int steps = 12;
-  double first_step = 0.1;     ///< of a knot, as a share of its shortest edge
-  double min_distance = 1.0;   ///< of knots from each other, from features and from the border; pixels
+  double first_step = 0.1;    ///< of a knot, as a share of its shortest edge
+  double min_distance = 1.0;  ///< of knots from each other, from features and from the border; pixels
   ColourFitOptions colour{};
 };
 
@@ -19,9 +19,9 @@ struct ColourSurface {
   ColourFit fit;
 };
 
-/// Descent on the true residual: moves the knots against knot_gradient(), each with a step of its own that grows
-/// while the gradient keeps its direction and shrinks when it turns, and fits the colours again after each step.
-/// Connectivity and links stay. Steps that raise the error are taken back.
+/// Descent on the true residual: moves the knots against knot_gradient(), each with a step of its own that
+/// grows while the gradient keeps its direction and shrinks when it turns, and fits the colours again after
+/// each step. Connectivity and links stay. Steps that raise the error are taken back.
 /// @param pixels their places in the domain are held.
 ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options);
 
