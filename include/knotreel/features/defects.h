@@ -1,0 +1,14 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "knotreel/features/chains.h"
+
+namespace knotreel::features {
+
+/// The first promise of FeatureChains (see chains.h) that does not hold, in words; nothing if all do. Linear
+/// time.
+std::optional<std::string> find_defect(const FeatureChains& chains);
+
+}  // namespace knotreel::features

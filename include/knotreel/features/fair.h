@@ -1,0 +1,20 @@
+#pragma once
+
+#include "knotreel/features/chains.h"
+
+namespace knotreel::features {
+
+struct FairOptions {
+  double lambda = 0.5;  ///< share of the neighbours, 0..1
+  int iterations = 2;   ///< >= 0
+};
+
+/// Smooths the curves by p_i <- (1 - lambda) p_i + lambda/4 (p_{i-2} + p_{i-1} + p_{i+1} + p_{i+2}) (paper
+/// Eq. 5), cyclic for closed chains. Nodes stay; points next to them use their two neighbours only. No point
+/// leaves the square of one pixel around its pixel's centre, so corners are rounded by no more than that.
+/// Where curves would cross or touch afterwards, points go back to where they came from.
+/// @throws Error{kInvalidArgument} for options out of range.
+/// Linear time. Safe to call from several threads on different chains.
+void fair_chains(FeatureChains& chains, const FairOptions& options = {});
+
+}  // namespace knotreel::features

@@ -1,0 +1,133 @@
+#include "features/draw.h"
+
+#include <algorithm>
+#include <bit>
+#include <utility>
+
+#include "features/join.h"
+#include "features/profile.h"
+#include "features/prune.h"
+#include "features/walk.h"
+#include "knotreel/base/parallel.h"
+
+namespace knotreel::features {
+namespace {
+
+/// Extrema of the magnitude across the edge, strongest first. Of two equal neighbours the left or upper one
+/// is taken: a step between pixels has equal magnitudes on both sides.
+std::vector<std::pair<int, int>> find_anchors(const GradientField& field, double threshold) {
+  const auto rows = std::size_t(std::max(0, field.height - 2));
+  std::vector<std::vector<std::pair<std::uint32_t, std::uint32_t>>> found(rows);
+  const auto least = float(threshold);
+  parallel_for(rows, [&](std::size_t row) {
+    const std::size_t begin = field.at(0, int(row) + 1);
+    for (std::size_t i = begin + 1; i + 1 < begin + std::size_t(field.width); ++i) {
+      const float m = field.magnitude[i];
+      if (m < least) continue;
+      const std::size_t across = field.vertical(i) ? 1 : std::size_t(field.width);
+      if (m <= field.magnitude[i - across] || m < field.magnitude[i + across]) continue;
+      // Positive floats are ordered like their bits; turned over for the strongest first.
+      found[row].push_back({~std::bit_cast<std::uint32_t>(m), std::uint32_t(i)});
+    }
+  });
+  std::vector<std::pair<std::uint32_t, std::uint32_t>> anchors;
+  for (const auto& row : found) anchors.insert(anchors.end(), row.begin(), row.end());
+  std::sort(anchors.begin(), anchors.end());
+  std::vector<std::pair<int, int>> pixels;
+  pixels.reserve(anchors.size());
+  for (const auto& [strength, i] : anchors) {
+    pixels.emplace_back(int(i % std::uint32_t(field.width)), int(i / std::uint32_t(field.width)));
+  }
+  return pixels;
+}
+
+/// Draws the walks that are hard and long enough.
+class Drawing {
+ public:
+  Drawing(const GradientField& field, const DetectOptions& options)
+      : field_(field),
+        options_(options),
+        map_(field.width, field.height),
+        walker_(field, map_, options.edge_threshold),
+        given_up_(std::size_t(map_.size()), 0) {}
+
+  LinkMap run() {
+    for (const auto& [x, y] : find_anchors(field_, options_.anchor_threshold)) {
+      const int anchor = map_.index(x, y);
+      if (given_up_[std::size_t(anchor)]) continue;
+      for (const std::vector<int>& part : hard_parts(walker_.walk(anchor))) place(part);
+    }
+    // By now there may be chains where there was nothing to join when a walk ended.
+    for (const int tip : tips_) join_tip(map_, tip);
+    return std::move(map_);
+  }
+
+ private:
+  std::vector<std::vector<int>> hard_parts(const std::vector<int>& path);
+  void place(const std::vector<int>& path);
+  void give_up(const std::vector<int>& path) {
+    for (const int i : path) given_up_[std::size_t(i)] = 1;
+  }
+
+  const GradientField& field_;
+  const DetectOptions& options_;
+  LinkMap map_;
+  Walker walker_;
+  std::vector<std::uint8_t> given_up_;  // of each pixel: no walk starts there
+  std::vector<int> tips_;               // ends of what was placed, in that order
+};
+
+/// The parts of a path that are no softer than max_blur, by the mean over a few pixels: single ones are
+/// noisy. Soft parts are closed, or every anchor beside them would start the same walk again.
+std::vector<std::vector<int>> Drawing::hard_parts(const std::vector<int>& path) {
+  if (path.empty()) return {};
+  if (options_.max_blur <= 0) return {path};
+  constexpr std::size_t kHalfWindow = 4;
+  std::vector<Transition> sums(path.size() + 1);
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const Transition t = transition(field_, map_.x(path[i]), map_.y(path[i]));
+    sums[i + 1] = {sums[i].contrast + t.contrast, sums[i].slope + t.slope};
+  }
+  std::vector<std::vector<int>> parts;
+  bool open = false;
+  for (std::size_t i = 0; i < path.size(); ++i) {
+    const std::size_t begin = i < kHalfWindow ? 0 : i - kHalfWindow;
+    const std::size_t end = std::min(path.size(), i + kHalfWindow + 1);
+    const bool hard = sums[end].contrast - sums[begin].contrast <=
+                      options_.max_blur * (sums[end].slope - sums[begin].slope);
+    if (hard) {
+      if (!open) parts.emplace_back();
+      parts.back().push_back(path[i]);
+    } else {
+      walker_.close(path[i]);
+      given_up_[std::size_t(path[i])] = 1;
+    }
+    open = hard;
+  }
+  return parts;
+}
+
+void Drawing::place(const std::vector<int>& path) {
+  // A single pixel has no link; and what is joined at both ends still needs room between the junctions.
+  if (path.size() < std::size_t(kNodeDistance)) return give_up(path);
+  map_.link_all(path);
+  const int ends[2] = {path.front(), path.back()};
+  bool joined[2];
+  for (int e = 0; e < 2; ++e) joined[e] = join_tip(map_, ends[e]);
+  for (int e = 0; e < 2; ++e) {
+    if (!joined[e]) extend_to_side(map_, ends[e]);
+  }
+  // Weak chains are drawn late; what is dropped at once does not stand in their way.
+  if (drop_if_short(map_, path[path.size() / 2], options_.min_length)) return give_up(path);
+  for (int e = 0; e < 2; ++e) {
+    if (!joined[e]) tips_.push_back(ends[e]);
+  }
+}
+
+}  // namespace
+
+LinkMap draw_edges(const GradientField& field, const DetectOptions& options) {
+  return Drawing(field, options).run();
+}
+
+}  // namespace knotreel::features

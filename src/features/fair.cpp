@@ -1,0 +1,53 @@
+#include "knotreel/features/fair.h"
+
+#include <algorithm>
+
+#include "features/untangle.h"
+#include "knotreel/base/error.h"
+
+namespace knotreel::features {
+namespace {
+
+/// Within one pixel of the pixel's centre per axis.
+Vec2 clamped(const ChainPoint& p, Vec2 q) {
+  return {std::clamp(q.x, p.x - 0.5, p.x + 1.5), std::clamp(q.y, p.y - 0.5, p.y + 1.5)};
+}
+
+/// Mean of the neighbours of an inner point: two on either side (paper Eq. 5), one beside an end.
+Vec2 mean_of_neighbours(const Chain& chain, const std::vector<Vec2>& p, std::size_t i) {
+  const std::size_t n = p.size();
+  if (chain.closed) {
+    return 0.25 * (p[(i + n - 2) % n] + p[(i + n - 1) % n] + p[(i + 1) % n] + p[(i + 2) % n]);
+  }
+  if (i == 1 || i == n - 2) return 0.5 * (p[i - 1] + p[i + 1]);
+  return 0.25 * (p[i - 2] + p[i - 1] + p[i + 1] + p[i + 2]);
+}
+
+void smooth(Chain& chain, const FairOptions& options) {
+  std::vector<Vec2> old(chain.points.size());
+  const std::size_t fixed = chain.closed ? 0 : 1;
+  for (int round = 0; round < options.iterations; ++round) {
+    for (std::size_t i = 0; i < old.size(); ++i) old[i] = chain.points[i].position;
+    for (std::size_t i = fixed; i + fixed < old.size(); ++i) {
+      ChainPoint& p = chain.points[i];
+      const Vec2 mean = mean_of_neighbours(chain, old, i);
+      p.position = clamped(p, (1 - options.lambda) * old[i] + options.lambda * mean);
+    }
+  }
+}
+
+}  // namespace
+
+void fair_chains(FeatureChains& chains, const FairOptions& options) {
+  if (!(options.lambda >= 0 && options.lambda <= 1)) {
+    throw Error(ErrorKind::kInvalidArgument, "lambda of the fairing must be in 0..1");
+  }
+  if (options.iterations < 0) {
+    throw Error(ErrorKind::kInvalidArgument, "the iterations of the fairing must not be negative");
+  }
+  const Positions before = positions_of(chains);
+  for (Chain& chain : chains.chains) smooth(chain, options);
+  untangle(chains, before);
+}
+
+}  // namespace knotreel::features

@@ -1,0 +1,166 @@
+#include "features/join.h"
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <tuple>
+
+#include "knotreel/base/vec2.h"
+
+namespace knotreel::features {
+namespace {
+
+/// A tip is joined to pixels up to so far away. Walks end two away from what they would touch; the rest is
+/// gaps.
+constexpr int kReach = 4;
+/// The tip may be taken back by so many pixels: the last ones before a junction are often led astray.
+constexpr std::size_t kMaxBack = 3;
+/// The shortest way along chains from a tip to where it may be joined to its own chain.
+constexpr int kShortestLoop = 8;
+
+Vec2 vector_between(const LinkMap& map, int from, int to) {
+  return {double(map.x(to) - map.x(from)), double(map.y(to) - map.y(from))};
+}
+
+int only_direction(const LinkMap& map, int tip) {
+  for (int d = 0; d < 8; ++d) {
+    if (map.linked(tip, d)) return d;
+  }
+  return 0;
+}
+
+/// Tip first, up to the next node.
+std::vector<int> tail_of(const LinkMap& map, int tip) {
+  return map.follow(tip, only_direction(map, tip), kShortestLoop + kMaxBack);
+}
+
+/// Pixels of a digital straight line, with both ends.
+std::vector<int> straight_line(const LinkMap& map, int from, int to) {
+  const Vec2 v = vector_between(map, from, to);
+  const int steps = int(std::max(std::abs(v.x), std::abs(v.y)));
+  std::vector<int> line;
+  for (int k = 0; k <= steps; ++k) {
+    const double t = double(k) / steps;
+    line.push_back(
+        map.index(map.x(from) + int(std::lround(t * v.x)), map.y(from) + int(std::lround(t * v.y))));
+  }
+  return line;
+}
+
+/// One way to join a tip.
+struct Bridge {
+  double cost = 0;
+  std::size_t back = 0;  ///< pixels that the tip is taken back by
+  int to = 0;
+};
+
+/// Whether a chain may get a junction at q: at a node, or away from all nodes.
+bool may_be_joined(const LinkMap& map, int q, const std::vector<int>& around) {
+  if (map.at_side(q)) return false;
+  if (map.node(q)) return map.degree(q) < 5;
+  return std::none_of(around.begin(), around.end(), [&](int n) { return map.node(n); });
+}
+
+/// Bridges from the tail taken back by `back` pixels to drawn pixels ahead of it.
+void collect_bridges(const LinkMap& map, const std::vector<int>& tail, std::size_t back,
+                     std::vector<Bridge>& bridges) {
+  const int base = tail[back];
+  const Vec2 heading = vector_between(map, tail[std::min(back + 4, tail.size() - 1)], base);
+  std::vector<int> own;
+  for (int dy = -kReach; dy <= kReach; ++dy) {
+    for (int dx = -kReach; dx <= kReach; ++dx) {
+      const int x = map.x(base) + dx;
+      const int y = map.y(base) + dy;
+      if (x < 1 || y < 1 || x >= map.width() - 1 || y >= map.height() - 1) continue;
+      const int q = map.index(x, y);
+      if (!map.drawn(q)) continue;
+      const Vec2 v{double(dx), double(dy)};
+      const double distance = norm(v);
+      const double ahead = dot(v, heading);
+      if (ahead < 0.5 * distance * norm(heading) || distance == 0) continue;
+      if (own.empty()) own = map.reach(base, kShortestLoop - 1);
+      if (std::find(own.begin(), own.end(), q) != own.end()) continue;
+      if (!may_be_joined(map, q, map.reach(q, kNodeDistance - 1))) continue;
+      const double turn = 1 - ahead / (distance * norm(heading));
+      bridges.push_back({distance + double(back) + 2 * turn - (map.node(q) ? 1.5 : 0), back, q});
+    }
+  }
+}
+
+/// Draws the bridge, and takes it back if the map is not sound with it.
+bool try_bridge(LinkMap& map, const std::vector<int>& tail, const Bridge& bridge) {
+  const std::vector<int> given_up(tail.begin(), tail.begin() + std::ptrdiff_t(bridge.back) + 1);
+  const std::vector<int> line = straight_line(map, tail[bridge.back], bridge.to);
+  map.unlink_all(given_up);
+  const bool free = std::none_of(line.begin() + 1, line.end() - 1, [&](int i) { return map.drawn(i); });
+  if (free) {
+    map.link_all(line);
+    // A node that vanishes here no longer excuses neighbours within two steps of it.
+    std::vector<int> touched = map.reach(line.front(), 3);
+    const std::vector<int> beyond = map.reach(line.back(), 3);
+    touched.insert(touched.end(), beyond.begin(), beyond.end());
+    touched.insert(touched.end(), line.begin(), line.end());
+    if (std::all_of(touched.begin(), touched.end(), [&](int i) { return map.sound(i); })) return true;
+    map.unlink_all(line);
+  }
+  map.link_all(given_up);
+  return false;
+}
+
+}  // namespace
+
+bool join_tip(LinkMap& map, int tip) {
+  if (map.degree(tip) != 1 || map.at_side(tip)) return false;
+  const std::vector<int> tail = tail_of(map, tip);
+  std::vector<Bridge> bridges;
+  for (std::size_t back = 0; back <= kMaxBack && back + kNodeDistance < tail.size(); ++back) {
+    collect_bridges(map, tail, back, bridges);
+  }
+  std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
+    return std::tie(a.cost, a.back, a.to) < std::tie(b.cost, b.back, b.to);
+  });
+  // Cheap ones fail for want of room, if at all; far ones would then be surprising.
+  constexpr std::size_t kTries = 8;
+  for (std::size_t k = 0; k < std::min(kTries, bridges.size()); ++k) {
+    if (try_bridge(map, tail, bridges[k])) return true;
+  }
+  return false;
+}
+
+bool extend_to_side(LinkMap& map, int tip) {
+  if (map.degree(tip) != 1 || map.at_side(tip)) return false;
+  const std::vector<int> tail = tail_of(map, tip);
+  const Vec2 heading = vector_between(map, tail[std::min<std::size_t>(4, tail.size() - 1)], tip);
+  const int x = map.x(tip);
+  const int y = map.y(tip);
+  constexpr int kNearSide = 3;
+  // The side that the chain heads for most directly.
+  const int gaps[4] = {map.width() - 1 - x, map.height() - 1 - y, x, y};
+  int side = -1;
+  double most = 0.5 * norm(heading);
+  for (int s = 0; s < 4; ++s) {
+    const double towards = heading.x * kStepX[2 * s] + heading.y * kStepY[2 * s];
+    if (gaps[s] <= kNearSide && towards > most) {
+      side = s;
+      most = towards;
+    }
+  }
+  if (side < 0) return false;
+  const Vec2 slope{std::clamp(heading.x / most, -1.0, 1.0), std::clamp(heading.y / most, -1.0, 1.0)};
+  std::vector<int> path{tip};
+  for (int k = 1; k <= gaps[side]; ++k) {
+    const int next_x = x + int(std::lround(k * slope.x));
+    const int next_y = y + int(std::lround(k * slope.y));
+    if (next_x < 0 || next_y < 0 || next_x >= map.width() || next_y >= map.height()) return false;
+    path.push_back(map.index(next_x, next_y));
+    // Only the last pixel lies at a side, and at one only.
+    if (map.drawn(path.back()) || map.at_side(path.back()) != (k == gaps[side])) return false;
+  }
+  if (map.in_corner(path.back())) return false;
+  map.link_all(path);
+  if (std::all_of(path.begin(), path.end(), [&](int i) { return map.sound(i); })) return true;
+  map.unlink_all(path);
+  return false;
+}
+
+}  // namespace knotreel::features

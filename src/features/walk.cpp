@@ -1,0 +1,120 @@
+#include "features/walk.h"
+
+#include <algorithm>
+
+namespace knotreel::features {
+namespace {
+
+int direction_of(int step_x, int step_y) {
+  for (int d = 0; d < 8; ++d) {
+    if (kStepX[d] == step_x && kStepY[d] == step_y) return d;
+  }
+  return -1;
+}
+
+bool neighbours(const LinkMap& map, int a, int b) {
+  return std::abs(map.x(a) - map.x(b)) <= 1 && std::abs(map.y(a) - map.y(b)) <= 1;
+}
+
+}  // namespace
+
+Walker::Walker(const GradientField& field, const LinkMap& map, double threshold)
+    : field_(field), map_(map), threshold_(float(threshold)), marks_(std::size_t(map.size()), 0) {}
+
+std::vector<int> Walker::walk(int anchor) {
+  if (map_.crowded(anchor) || closed(anchor)) return {};
+  stamp_ += 2;
+  marks_[std::size_t(anchor)] = stamp_;
+  std::vector<int> path{anchor};
+  const bool vertical = field_.vertical(at(anchor));
+  extend(path, vertical ? 0 : -1, vertical ? -1 : 0);
+  std::reverse(path.begin(), path.end());
+  extend(path, vertical ? 0 : 1, vertical ? 1 : 0);
+  return path;
+}
+
+/// Goes on from the end of the path, until it ends.
+void Walker::extend(std::vector<int>& path, int step_x, int step_y) {
+  while (true) {
+    const int here = path.back();
+    const int next = next_pixel(here, step_x, step_y);
+    if (next < 0 || map_.crowded(next)) return;
+    // A step around the corner of a pixel: the pixel at the corner is not needed.
+    const bool shortcut = path.size() > 1 && neighbours(map_, next, path[path.size() - 2]);
+    if (shortcut) {
+      path.pop_back();
+      marks_[std::size_t(here)] = stamp_ + 1;
+    }
+    if (touches_path(next, path.back())) {
+      if (shortcut) path.push_back(here);
+      return;
+    }
+    marks_[std::size_t(next)] = stamp_;
+    step_x = map_.x(next) - map_.x(here);
+    step_y = map_.y(next) - map_.y(here);
+    path.push_back(next);
+  }
+}
+
+/// @param step_x, step_y the step that led to `pixel`
+int Walker::next_pixel(int pixel, int step_x, int step_y) const {
+  const int heading = direction_of(step_x, step_y);
+  const bool vertical = field_.vertical(at(pixel));
+  const int along = vertical ? step_y : step_x;
+  int next = -1;
+  if (along != 0) {
+    const int d = vertical ? direction_of(0, along) : direction_of(along, 0);
+    next = strongest(pixel, {d, (d + 1) % 8, (d + 7) % 8, 0}, 3);
+  } else {
+    // The edge turns here by a right angle, to either side.
+    next = strongest(pixel, {(heading + 1) % 8, (heading + 7) % 8, (heading + 2) % 8, (heading + 6) % 8}, 4);
+  }
+  // At corners the direction of single pixels says little: straight on then.
+  return next >= 0 ? next : strongest(pixel, {heading, (heading + 1) % 8, (heading + 7) % 8, 0}, 3);
+}
+
+/// The strongest of the neighbours that may be entered, the first of equals; -1 if there is none.
+int Walker::strongest(int pixel, const int (&directions)[4], int count) const {
+  int best = -1;
+  float most = 0;
+  for (int k = 0; k < count; ++k) {
+    const int other = map_.neighbour(pixel, directions[k]);
+    if (!enterable(other)) continue;
+    const float magnitude = field_.magnitude[at(other)];
+    if (magnitude > most && same_edge(pixel, other)) {
+      best = other;
+      most = magnitude;
+    }
+  }
+  return best;
+}
+
+bool Walker::enterable(int pixel) const {
+  const int x = map_.x(pixel);
+  const int y = map_.y(pixel);
+  if (x < 1 || y < 1 || x >= map_.width() - 1 || y >= map_.height() - 1) return false;
+  const std::int32_t mark = marks_[std::size_t(pixel)];
+  return mark != kClosed && mark < stamp_ && field_.magnitude[field_.at(x, y)] >= threshold_;
+}
+
+/// Gradients of one and the same channel point to the same side: the two sides of a thin line do not.
+/// Neighbours may differ in their strongest channel, where one rises as the other falls.
+bool Walker::same_edge(int a, int b) const {
+  const std::size_t i = at(a);
+  const std::size_t j = at(b);
+  const int c = field_.channel[i];
+  if (dot(field_.gradient(i, c), field_.gradient(j, c)) > 0) return true;
+  const int other = field_.channel[j];
+  return other != c && dot(field_.gradient(i, other), field_.gradient(j, other)) > 0;
+}
+
+/// Some pixel around is on the path, other than its end.
+bool Walker::touches_path(int pixel, int end) const {
+  for (int d = 0; d < 8; ++d) {
+    const int other = map_.neighbour(pixel, d);
+    if (other != end && marks_[std::size_t(other)] == stamp_) return true;
+  }
+  return false;
+}
+
+}  // namespace knotreel::features
