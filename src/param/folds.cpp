@@ -1,0 +1,81 @@
+#include "param/folds.h"
+
+#include <algorithm>
+
+#include "knotreel/base/parallel.h"
+#include "param/simplify.h"
+
+namespace knotreel::param {
+namespace {
+
+/// Smallest area, in square pixels, of a triangle with a vertex off the features; at rest it is 0.5.
+constexpr double kLeastArea = 1e-3;
+/// Of three feature pixels: zero but for rounding.
+constexpr double kLeastFeatureArea = -1e-6;
+constexpr int kGentleRounds = 4;
+constexpr int kGentleRadius = 2;  // pixels
+
+bool is_folded(const FramedMesh& mesh, const FramedMesh::Layout& layout, const FramedMesh::Triangle& t) {
+  const double area = signed_area(mesh.vertex(layout, t[0].x, t[0].y), mesh.vertex(layout, t[1].x, t[1].y),
+                                  mesh.vertex(layout, t[2].x, t[2].y));
+  if (area >= kLeastArea) return false;
+  const bool on_features = std::all_of(
+      t.begin(), t.end(), [&](FramedMesh::Corner c) { return mesh.is_feature(mesh.pixel(c.x, c.y)); });
+  return !on_features || area < kLeastFeatureArea;
+}
+
+std::vector<SiteIndex> sites_near(const Curves& curves, const std::vector<Fold>& folds, int radius,
+                                  bool in_parameter) {
+  std::vector<SiteIndex> near;
+  for (const Fold& f : folds) {
+    if (f.in_parameter != in_parameter) continue;
+    for (int y = std::max(0, f.y - radius); y <= std::min(curves.height - 1, f.y + 1 + radius); ++y) {
+      for (int x = std::max(0, f.x - radius); x <= std::min(curves.width - 1, f.x + 1 + radius); ++x) {
+        if (const SiteIndex s = curves.site_at(x, y); s != kNone) near.push_back(s);
+      }
+    }
+  }
+  std::sort(near.begin(), near.end());
+  near.erase(std::unique(near.begin(), near.end()), near.end());
+  return near;
+}
+
+}  // namespace
+
+std::vector<Fold> find_folds(const FramedMesh& mesh, const Parametrization& parametrization) {
+  std::vector<std::vector<Fold>> of_row(static_cast<std::size_t>(mesh.height()) + 1);
+  parallel_for(of_row.size(), [&](std::size_t row) {
+    const int y = static_cast<int>(row) - 1;
+    for (int x = -1; x < mesh.width(); ++x) {
+      for (const FramedMesh::Triangle& t : mesh.triangles(x, y)) {
+        if (is_folded(mesh, parametrization.position, t)) of_row[row].push_back({x, y, false});
+        if (is_folded(mesh, parametrization.parameter, t)) of_row[row].push_back({x, y, true});
+      }
+    }
+  });
+  std::vector<Fold> folds;
+  for (const auto& row : of_row) folds.insert(folds.end(), row.begin(), row.end());
+  return folds;
+}
+
+void repair_folds(Curves& curves, const std::vector<Fold>& folds, int round) {
+  if (round < kGentleRounds) {
+    const auto position_sites = sites_near(curves, folds, kGentleRadius + round, false);
+    const auto parameter_sites = sites_near(curves, folds, kGentleRadius + round, true);
+    const bool split = split_segments_of(curves, parameter_sites);
+    for (const SiteIndex s : position_sites) relax(curves.sites[s]);
+    if (!split) {
+      for (const SiteIndex s : parameter_sites) relax(curves.sites[s]);
+    }
+    return;
+  }
+  const int radius = std::min(4 << std::min(round - kGentleRounds, 20), curves.width + curves.height);
+  for (const bool in_parameter : {false, true}) {
+    for (const SiteIndex s : sites_near(curves, folds, radius, in_parameter)) {
+      set_fairing(curves.sites[s], 0);
+      curves.sites[s].is_vertex = true;
+    }
+  }
+}
+
+}  // namespace knotreel::param

@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+#include "param/quad.h"
+
+namespace knotreel::param {
+
+/// The equations of the displacements (screened Tutte, paper sec. 5.2 with docs/decisions/0009): for every
+/// free pixel v with its four neighbours n
+///
+///     sum_n weight_n (d_v - d_n) + d_v / decay^2 = 0
+///
+/// A neighbour beyond the border stands for the border itself: d = 0 at half the distance, so twice the
+/// weight. All other weights are 1. Solved by geometric multigrid with cell aggregates.
+class ScreenedTutte {
+ public:
+  /// @param fixed  per pixel, row by row: nonzero where the displacement is given.
+  /// @param decay  in pixels; 0: no screening.
+  ScreenedTutte(int width, int height, const std::vector<std::uint8_t>& fixed, double decay);
+
+  struct Progress {
+    int cycles = 0;
+    float first_change = 0;  ///< largest change of a displacement in the first cycle, pixels
+  };
+
+  /// Improves the free pixels of a field until a cycle changes no displacement by more than `tolerance`; what
+  /// is left is then a fraction of that. The same bits for any number of threads.
+  Progress solve(Framed<Quad>& field, double tolerance);
+
+ private:
+  struct Level {
+    int width = 0;
+    int height = 0;
+    Framed<float> inverse;  ///< of the diagonal; 0 where fixed
+    Framed<float> ground;   ///< part of the diagonal that ties to zero or to fixed pixels
+    Framed<float> right;    ///< weight of the edge to the next column
+    Framed<float> down;     ///< weight of the edge to the next row
+    Framed<Quad> value;     ///< not used on the finest level
+    Framed<Quad> rhs;
+  };
+
+  static Level coarsen(const Level& fine);
+  static void set_inverse(Level& level);
+  /// `field` is the value of level 0. Changes are reported for that level only.
+  float relax(Framed<Quad>& field, std::size_t index, int sweeps);
+  void restrict_residual(const Framed<Quad>& field, std::size_t index);
+  float prolong(Framed<Quad>& field, std::size_t index);
+
+  std::vector<Level> levels_;
+};
+
+}  // namespace knotreel::param

@@ -1,1 +1,0 @@
-#include "knotreel/param/parametrization.h"

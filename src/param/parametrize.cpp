@@ -1,0 +1,141 @@
+#include <algorithm>
+#include <cmath>
+#include <optional>
+#include <string>
+
+#include "knotreel/base/error.h"
+#include "knotreel/param/parametrization.h"
+#include "param/assemble.h"
+#include "param/curves.h"
+#include "param/folds.h"
+#include "param/framed_mesh.h"
+#include "param/multigrid.h"
+#include "param/simplify.h"
+#include "param/uncross.h"
+
+namespace knotreel::param {
+namespace {
+
+/// Enough for repair_folds() to reach the whole of any picture.
+constexpr int kMostRounds = 40;
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw Error(ErrorKind::kInvalidArgument, "cannot parametrize: " + why);
+}
+
+void check(const features::FeatureChains& chains, const features::ImageMesh& mesh,
+           const ParametrizeOptions& o) {
+  if (chains.width < 1 || chains.height < 1) refuse("the picture has no pixels");
+  const auto squares =
+      static_cast<std::size_t>(chains.width - 1) * static_cast<std::size_t>(chains.height - 1);
+  if (mesh.width != chains.width || mesh.height != chains.height || mesh.diagonals.size() != squares) {
+    refuse("image mesh and feature chains are of different sizes");
+  }
+  const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
+  if (!positive(o.polyline_distance)) refuse("the distance of polylines must be positive");
+  if (!positive(o.polyline_bulge)) refuse("the bulge of polylines must be positive");
+  if (!positive(o.tolerance)) refuse("the tolerance must be positive");
+  if (!std::isfinite(o.decay) || o.decay < 0) refuse("the decay must be zero or positive");
+}
+
+class Parametrizer {
+ public:
+  Parametrizer(const features::FeatureChains& chains, const features::ImageMesh& mesh,
+               const ParametrizeOptions& options)
+      : mesh_(mesh), options_(options), curves_(make_curves(chains)), field_(chains.width, chains.height) {
+    if (options.warm_start != nullptr && !curves_.curves.empty()) start_from(*options.warm_start);
+  }
+
+  Parametrization run() {
+    for (int round = 0; round < kMostRounds; ++round) {
+      place_curves();
+      solve();
+      const std::vector<Fold> folds = find_folds(FramedMesh(mesh_, result_), result_);
+      if (round == 0) report_.folds_found = static_cast<int>(folds.size());
+      report_.folds_left = static_cast<int>(folds.size());
+      report_.rounds = round + 1;
+      if (folds.empty()) break;
+      repair_folds(curves_, folds, round);
+    }
+    report_.relaxed_points = static_cast<int>(std::count_if(curves_.sites.begin(), curves_.sites.end(),
+                                                            [](const Site& s) { return s.fairing < 1; }));
+    return std::move(result_);
+  }
+
+  const ParametrizeReport& report() const { return report_; }
+
+ private:
+  void start_from(const Parametrization& previous) {
+    const auto pixels = curves_.at_pixel.size();
+    if (previous.width != curves_.width || previous.height != curves_.height ||
+        previous.position.size() != pixels || previous.parameter.size() != pixels) {
+      return;
+    }
+    for (int y = 0; y < curves_.height; ++y) {
+      for (int x = 0; x < curves_.width; ++x) {
+        const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(curves_.width) +
+                                  static_cast<std::size_t>(x);
+        set(x, y, previous.position[pixel], previous.parameter[pixel]);
+      }
+    }
+  }
+
+  void set(int x, int y, Vec2 position, Vec2 parameter) {
+    const Vec2 centre{x + 0.5, y + 0.5};
+    const Vec2 f = position - centre;
+    const Vec2 d = parameter - centre;
+    field_.at(x, y) = Quad{static_cast<float>(f.x), static_cast<float>(f.y), static_cast<float>(d.x),
+                           static_cast<float>(d.y)};
+  }
+
+  void place_curves() {
+    int dropped = uncross(curves_);
+    simplify(curves_, options_);
+    dropped += make_planar(curves_, options_);
+    report_.dropped_chains += dropped;
+    if (dropped > 0) solver_.reset();
+    assemble_polylines(curves_, result_);
+  }
+
+  void solve() {
+    if (result_.polylines.empty()) {
+      field_ = Framed<Quad>(curves_.width, curves_.height);
+    } else {
+      if (!solver_) {
+        std::vector<std::uint8_t> fixed(curves_.at_pixel.size());
+        std::transform(curves_.at_pixel.begin(), curves_.at_pixel.end(), fixed.begin(),
+                       [](SiteIndex s) { return static_cast<std::uint8_t>(s != kNone); });
+        solver_.emplace(curves_.width, curves_.height, fixed, options_.decay);
+      }
+      for (const Site& s : curves_.sites) {
+        if (s.pixel == kNoPixel || curves_.at_pixel[static_cast<std::size_t>(s.pixel)] == kNone) continue;
+        set(curves_.x_of(s), curves_.y_of(s), s.position, s.parameter);
+      }
+      const ScreenedTutte::Progress progress = solver_->solve(field_, options_.tolerance);
+      if (report_.cycles == 0) report_.first_change = progress.first_change;
+      report_.cycles += progress.cycles;
+    }
+    assemble_layouts(curves_, field_, result_);
+  }
+
+  const features::ImageMesh& mesh_;
+  const ParametrizeOptions& options_;
+  Curves curves_;
+  Framed<Quad> field_;  ///< not damped: what the solver left
+  std::optional<ScreenedTutte> solver_;
+  Parametrization result_;
+  ParametrizeReport report_;
+};
+
+}  // namespace
+
+Parametrization parametrize(const features::FeatureChains& chains, const features::ImageMesh& mesh,
+                            const ParametrizeOptions& options, ParametrizeReport* report) {
+  check(chains, mesh, options);
+  Parametrizer parametrizer(chains, mesh, options);
+  Parametrization result = parametrizer.run();
+  if (report != nullptr) *report = parametrizer.report();
+  return result;
+}
+
+}  // namespace knotreel::param
