@@ -123,6 +123,13 @@ class FaceQueue {
 
 }  // namespace
 
+std::optional<KnotIndex> insert_near(EditableMesh& mesh, FaceIndex face, Vec2 wanted, double min_distance) {
+  const auto place = find_place(mesh, face, wanted, min_distance);
+  if (!place) return std::nullopt;
+  if (place->side < 0) return mesh.insert_in_face(face, place->position);
+  return mesh.insert_on_edge({face, place->side}, place->position);
+}
+
 std::size_t insert_knots(EditableMesh& mesh, const Target& target, const PlaceOptions& options) {
   FaceQueue queue(mesh, target);
   for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
@@ -134,12 +141,10 @@ std::size_t insert_knots(EditableMesh& mesh, const Target& target, const PlaceOp
   while (mesh.knot_count() < options.max_knots && queue.total() > enough) {
     const auto f = queue.pop();
     if (!f) break;
-    const auto place = find_place(mesh, *f, error_centroid(mesh, target, *f), options.min_distance);
-    if (!place) continue;
-    const KnotIndex k = place->side < 0 ? mesh.insert_in_face(*f, place->position)
-                                        : mesh.insert_on_edge({*f, place->side}, place->position);
-    mesh.legalise_around(k);
-    mesh.faces_around(k, ring);
+    const auto k = insert_near(mesh, *f, error_centroid(mesh, target, *f), options.min_distance);
+    if (!k) continue;
+    mesh.legalise_around(*k);
+    mesh.faces_around(*k, ring);
     for (const FaceIndex g : ring) queue.update(g);
     ++inserted;
   }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 
 #include "knotreel/knots/target.h"
 #include "knotreel/mesh/editable_mesh.h"
@@ -19,5 +20,11 @@ struct PlaceOptions {
 /// Where the centroid is close to a feature or to the border, the knot goes onto that line.
 /// @param mesh constrained Delaunay. @return the number of knots inserted. Deterministic.
 std::size_t insert_knots(mesh::EditableMesh& mesh, const Target& target, const PlaceOptions& options);
+
+/// Inserts a knot in a face, as near to `wanted` as the distances allow, or on one of its fixed edges if it
+/// is close to that; without making the mesh Delaunay again.
+/// @return nothing if there is no room.
+std::optional<mesh::KnotIndex> insert_near(mesh::EditableMesh& mesh, mesh::FaceIndex face, Vec2 wanted,
+                                           double min_distance);
 
 }  // namespace knotreel::knots

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "knotreel/knots/target.h"
+#include "knotreel/mesh/editable_mesh.h"
+
+namespace knotreel::knots {
+
+struct RefineOptions {
+  std::size_t max_knots = 100;     ///< to insert
+  std::size_t least_cluster = 15;  ///< pixels; smaller clusters are left alone (paper sec. 8.1)
+  double min_distance = 1.0;       ///< as in PlaceOptions
+};
+
+/// Inserts knots where the surface misses the picture (paper sec. 8.1): pixels with a large error are grouped
+/// in clusters, two pixels at most two apart belonging together, and each cluster gets knots at the pixels
+/// around which the error, summed over their two-ring, is largest. Where the paper sets the threshold by the
+/// number of the round and takes ten knots per cluster, here the threshold falls until the knots asked for
+/// are found, and the largest sums over all clusters come first.
+/// @param squared_errors per pixel, row-major, as large as the target's picture.
+/// @param places         of the pixels in the domain; empty: their centres.
+/// @return the knots inserted. Connectivity is Delaunay only around them, where flips may undo earlier
+/// choices.
+std::vector<mesh::KnotIndex> refine_knots(mesh::EditableMesh& mesh, std::span<const float> squared_errors,
+                                          std::span<const Vec2> places, int width, int height,
+                                          const RefineOptions& options);
+
+}  // namespace knotreel::knots

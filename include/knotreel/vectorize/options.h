@@ -1,0 +1,51 @@
+#pragma once
+
+#include <cstddef>
+#include <cstdint>
+
+#include "knotreel/features/colour_correction.h"
+#include "knotreel/features/detect.h"
+#include "knotreel/features/fair.h"
+#include "knotreel/fit/colour_fit.h"
+#include "knotreel/fit/geometry_fit.h"
+#include "knotreel/knots/optimise.h"
+#include "knotreel/param/parametrization.h"
+
+namespace knotreel::vectorize {
+
+/// Trade of time for quality; sets the effort of Options.
+enum class Preset : std::uint8_t {
+  kFast,      ///< fewer sweeps over the knot mesh, no descent on the true residual
+  kBalanced,  ///< the default
+  kFine,      ///< until more effort brings little
+};
+
+/// All settings of a picture's way to a vector model. Lengths are pixels, errors levels of 0..255.
+struct Options {
+  int degree = 2;                      ///< of the splines, 1 to 3
+  double mec = 2;                      ///< rounds stop when the mean colour error per pixel is below; >= 0
+  double meg = 1;                      ///< and the mean error of the feature curves too, pixels; >= 0
+  int rounds = 3;                      ///< of fitting, each but the first after inserting knots; 1 or more
+  std::size_t max_control_points = 0;  ///< upper bound; 0: 2.5 % of the pixels
+  std::uint64_t seed = 1;              ///< kept in reports; the method draws no random numbers
+
+  bool features = true;  ///< whether to look for features at all
+  bool fairing = true;
+  bool colour_correction = true;
+  bool picture_links = true;  ///< link triangulations chosen by the picture
+  features::DetectOptions detect{};
+  features::FairOptions fair{};
+  features::CorrectionOptions correction{};
+  param::ParametrizeOptions parametrize{};
+  double segment_knot_spacing = 12;  ///< one to three simple knots per feature segment, about this far apart
+
+  knots::OptimiseOptions optimise{};
+  fit::ColourFitOptions colour{};
+  fit::GeometryFitOptions geometry{};
+  int descent_steps = 4;  ///< on the true residual; 0: none
+};
+
+/// The effort of a preset, all else as by default.
+Options preset_options(Preset preset);
+
+}  // namespace knotreel::vectorize

@@ -1,0 +1,69 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "knotreel/document/frame_model.h"
+#include "knotreel/features/chains.h"
+#include "knotreel/features/image_mesh.h"
+#include "knotreel/image/image.h"
+#include "knotreel/param/parametrization.h"
+#include "knotreel/vectorize/options.h"
+
+/// The image pipeline: one picture to one vector model (paper sec. 5 to 8).
+namespace knotreel::vectorize {
+
+/// Figures of one round of fitting; those of colours are of the fit, before quantisation and without the
+/// pixels that features cross.
+struct RoundReport {
+  std::string name;  ///< "round 1", ..., "descent", "final"
+  std::size_t knots = 0;
+  std::size_t control_points = 0;
+  double mec = 0;   ///< levels
+  double meg = 0;   ///< pixels
+  double psnr = 0;  ///< dB
+  std::size_t raw_bytes = 0;
+  std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
+};
+
+struct Report {
+  std::size_t chains = 0;
+  std::size_t feature_pixels = 0;
+  std::size_t polyline_vertices = 0;
+  int folds_left = 0;             ///< of the parametrization
+  bool features_dropped = false;  ///< their polylines made no sound knot mesh
+  std::vector<RoundReport> rounds;
+};
+
+/// What there is to see after a stage; pointers are null before their stage, and valid during the call only.
+struct Progress {
+  std::string
+      stage;  ///< "features", "fairing", "correction", "parametrization", "knots", then as RoundReport::name
+  const image::Image* picture = nullptr;
+  const features::FeatureChains* detected = nullptr;
+  const features::FeatureChains* faired = nullptr;
+  const image::Image* corrected = nullptr;
+  const features::ImageMesh* image_mesh = nullptr;
+  const param::Parametrization* parametrization = nullptr;
+  const mesh::KnotMesh* knot_mesh = nullptr;
+  const document::FrameModel* model = nullptr;
+  const std::vector<float>* residual = nullptr;  ///< as fit::ColourFit
+};
+
+/// Called between stages, on the thread of the caller; may throw to stop the work.
+using Observer = std::function<void(const Progress&)>;
+
+struct Vectorization {
+  document::FrameModel model;
+  Report report;
+};
+
+/// Vectorizes a picture of any size with 1 to 4 channels. Deterministic: the same for any number of threads.
+/// Memory: about 350 bytes per pixel up to 4 megapixels.
+/// @throws Error{kInvalidArgument} for an empty picture or options out of range.
+Vectorization vectorize_picture(const image::Image& picture, const Options& options = {},
+                                const Observer& observer = {});
+
+}  // namespace knotreel::vectorize

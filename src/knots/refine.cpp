@@ -1,0 +1,153 @@
+#include "knotreel/knots/refine.h"
+
+#include "knotreel/knots/place.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+namespace knotreel::knots {
+
+namespace {
+
+using mesh::EditableMesh;
+using mesh::FaceIndex;
+using mesh::KnotIndex;
+
+constexpr int kRing = 2;        // pixels: "two-ring" of paper sec. 8.1
+constexpr int kThresholds = 8;  // halvings of the largest error at most
+
+class ErrorMap {
+ public:
+  ErrorMap(std::span<const float> squared, int width, int height)
+      : squared_(squared), width_(width), height_(height) {}
+
+  std::size_t size() const { return squared_.size(); }
+  double largest() const {
+    return squared_.empty() ? 0 : *std::max_element(squared_.begin(), squared_.end());
+  }
+
+  template <class Visit>
+  void for_ring(std::size_t pixel, Visit&& visit) const {
+    const int x = static_cast<int>(pixel % static_cast<std::size_t>(width_));
+    const int y = static_cast<int>(pixel / static_cast<std::size_t>(width_));
+    for (int v = std::max(0, y - kRing); v <= std::min(height_ - 1, y + kRing); ++v) {
+      for (int u = std::max(0, x - kRing); u <= std::min(width_ - 1, x + kRing); ++u) {
+        visit(static_cast<std::size_t>(v) * static_cast<std::size_t>(width_) + static_cast<std::size_t>(u));
+      }
+    }
+  }
+
+  double accumulated(std::size_t pixel) const {
+    double sum = 0;
+    for_ring(pixel, [&](std::size_t q) { sum += static_cast<double>(squared_[q]); });
+    return sum;
+  }
+
+  /// Pixels above a squared error, without those of small clusters; ascending.
+  std::vector<std::size_t> clustered(double threshold, std::size_t least_cluster) const {
+    std::vector<bool> open(size());
+    for (std::size_t i = 0; i < size(); ++i) open[i] = static_cast<double>(squared_[i]) > threshold;
+    std::vector<std::size_t> kept;
+    std::vector<std::size_t> cluster;
+    for (std::size_t seed = 0; seed < size(); ++seed) {
+      if (!open[seed]) continue;
+      cluster.assign(1, seed);
+      open[seed] = false;
+      for (std::size_t i = 0; i < cluster.size(); ++i) {
+        for_ring(cluster[i], [&](std::size_t q) {
+          if (!open[q]) return;
+          open[q] = false;
+          cluster.push_back(q);
+        });
+      }
+      if (cluster.size() >= least_cluster) kept.insert(kept.end(), cluster.begin(), cluster.end());
+    }
+    std::sort(kept.begin(), kept.end());
+    return kept;
+  }
+
+ private:
+  std::span<const float> squared_;
+  int width_;
+  int height_;
+};
+
+struct Candidate {
+  double error;
+  std::size_t pixel;
+};
+
+/// For each face the pixel with the largest accumulated error, largest first.
+std::vector<Candidate> best_by_face(const ErrorMap& errors, const std::vector<std::size_t>& pixels,
+                                    const std::vector<FaceIndex>& face_of) {
+  std::vector<Candidate> candidates;
+  candidates.reserve(pixels.size());
+  for (const std::size_t p : pixels) candidates.push_back({errors.accumulated(p), p});
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.error != b.error ? a.error > b.error : a.pixel < b.pixel;
+  });
+  std::vector<Candidate> best;
+  std::vector<bool> taken;
+  for (const Candidate& c : candidates) {
+    const FaceIndex f = face_of[c.pixel];
+    if (f >= taken.size()) taken.resize(f + std::size_t{1}, false);
+    if (taken[f]) continue;
+    taken[f] = true;
+    best.push_back(c);
+  }
+  return best;
+}
+
+/// The face of every pixel's place; the faces partition the pixels.
+std::vector<FaceIndex> faces_of_pixels(const EditableMesh& mesh, std::span<const Vec2> places, int width,
+                                       int height) {
+  std::vector<FaceIndex> by_centre(std::size_t(width) * std::size_t(height), 0);
+  for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.is_face(f)) continue;
+    const TriangleRows rows(mesh.triangle(f), width, height);
+    for (int y = rows.first(); y < rows.last(); ++y) {
+      int begin = 0;
+      int end = 0;
+      rows.columns(y, begin, end);
+      for (int x = begin; x < end; ++x) by_centre[std::size_t(y) * std::size_t(width) + std::size_t(x)] = f;
+    }
+  }
+  if (places.empty()) return by_centre;
+  std::vector<FaceIndex> result(by_centre.size());
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    const int x = std::clamp(static_cast<int>(places[i].x), 0, width - 1);
+    const int y = std::clamp(static_cast<int>(places[i].y), 0, height - 1);
+    result[i] = by_centre[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+  }
+  return result;
+}
+
+}  // namespace
+
+std::vector<KnotIndex> refine_knots(EditableMesh& mesh, std::span<const float> squared_errors,
+                                    std::span<const Vec2> places, int width, int height,
+                                    const RefineOptions& options) {
+  std::vector<KnotIndex> inserted;
+  const ErrorMap errors(squared_errors, width, height);
+  const double largest = errors.largest();
+  if (options.max_knots == 0 || !(largest > 0)) return inserted;
+  const std::vector<FaceIndex> face_of = faces_of_pixels(mesh, places, width, height);
+  std::vector<Candidate> candidates;
+  for (int s = 1; s <= kThresholds && candidates.size() < options.max_knots; ++s) {
+    const double threshold = largest * std::exp2(-2.0 * s);  // of squared errors
+    candidates = best_by_face(errors, errors.clustered(threshold, options.least_cluster), face_of);
+  }
+  for (const Candidate& c : candidates) {
+    if (inserted.size() == options.max_knots) break;
+    const Vec2 centre{static_cast<double>(c.pixel % std::size_t(width)) + 0.5,
+                      static_cast<double>(c.pixel / std::size_t(width)) + 0.5};
+    const Vec2 wanted = places.empty() ? centre : places[c.pixel];
+    const auto k = insert_near(mesh, face_of[c.pixel], wanted, options.min_distance);
+    if (k) inserted.push_back(*k);
+  }
+  return inserted;
+}
+
+}  // namespace knotreel::knots

@@ -1,0 +1,68 @@
+#include "vectorize/initial_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "knotreel/mesh/triangulate.h"
+
+namespace knotreel::vectorize {
+
+namespace {
+
+using mesh::KnotIndex;
+using mesh::KnotKind;
+
+class Builder {
+ public:
+  Builder(const param::Parametrization& p, double spacing)
+      : source_(p), spacing_(spacing), mesh_(mesh::make_domain(p.width, p.height)) {
+    vertices_.reserve(p.vertices.size());
+    for (const param::PolylineVertex& v : p.vertices) vertices_.push_back(add(v.position, KnotKind::kVertex));
+  }
+
+  void add_polyline(const param::Polyline& line) {
+    const std::size_t n = line.vertices.size();
+    for (std::size_t i = 0; i + 1 < n + (line.closed ? 1 : 0); ++i) {
+      add_segment(vertices_[line.vertices[i]], vertices_[line.vertices[(i + 1) % n]]);
+    }
+  }
+
+  mesh::KnotMesh finish() {
+    mesh::triangulate(mesh_);
+    return std::move(mesh_);
+  }
+
+ private:
+  KnotIndex add(Vec2 p, KnotKind kind) {
+    const auto k = static_cast<KnotIndex>(mesh_.knots.size());
+    mesh_.knots.push_back({p, kind, mesh::KnotId{k}});
+    return k;
+  }
+
+  void add_segment(KnotIndex from, KnotIndex to) {
+    const Vec2 a = mesh_.knots[from].position;
+    const Vec2 b = mesh_.knots[to].position;
+    const int inside = std::clamp(static_cast<int>(std::lround(norm(b - a) / spacing_)) - 1, 1, 3);
+    mesh::FeatureSegment segment{{from}};
+    for (int i = 1; i <= inside; ++i) {
+      segment.knots.push_back(add(a + (static_cast<double>(i) / (inside + 1)) * (b - a), KnotKind::kSegment));
+    }
+    segment.knots.push_back(to);
+    mesh_.segments.push_back(std::move(segment));
+  }
+
+  const param::Parametrization& source_;
+  double spacing_;
+  mesh::KnotMesh mesh_;
+  std::vector<KnotIndex> vertices_;
+};
+
+}  // namespace
+
+mesh::KnotMesh initial_mesh(const param::Parametrization& parametrization, double spacing) {
+  Builder builder(parametrization, spacing);
+  for (const param::Polyline& line : parametrization.polylines) builder.add_polyline(line);
+  return builder.finish();
+}
+
+}  // namespace knotreel::vectorize

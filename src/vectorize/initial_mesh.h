@@ -1,0 +1,13 @@
+#pragma once
+
+#include "knotreel/mesh/knot_mesh.h"
+#include "knotreel/param/parametrization.h"
+
+namespace knotreel::vectorize {
+
+/// The knots that features ask for (paper sec. 6.1): the domain corners and polyline vertices as multiple
+/// knots, and one to three simple knots on each feature segment, about `spacing` pixels apart; triangulated.
+/// @throws Error{kInvalidArgument} if the polylines make no sound mesh.
+mesh::KnotMesh initial_mesh(const param::Parametrization& parametrization, double spacing);
+
+}  // namespace knotreel::vectorize

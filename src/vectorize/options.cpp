@@ -1,0 +1,28 @@
+#include "knotreel/vectorize/options.h"
+
+namespace knotreel::vectorize {
+
+Options preset_options(Preset preset) {
+  Options options;
+  switch (preset) {
+    case Preset::kFast:
+      options.rounds = 2;
+      options.optimise.rounds = 1;
+      options.optimise.steps = 2;
+      options.descent_steps = 0;
+      break;
+    case Preset::kBalanced:
+      options.optimise.rounds = 2;
+      options.optimise.steps = 3;
+      options.descent_steps = 4;
+      break;
+    case Preset::kFine:
+      options.optimise.rounds = 4;
+      options.optimise.steps = 5;
+      options.descent_steps = 40;
+      break;
+  }
+  return options;
+}
+
+}  // namespace knotreel::vectorize

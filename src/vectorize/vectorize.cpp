@@ -1,0 +1,433 @@
+#include "knotreel/vectorize/vectorize.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+
+#include "knotreel/base/error.h"
+#include "knotreel/fit/descend.h"
+#include "knotreel/knots/link_choice.h"
+#include "knotreel/knots/place.h"
+#include "knotreel/knots/refine.h"
+#include "knotreel/mesh/triangulate.h"
+#include "knotreel/param/parametrized_image.h"
+#include "vectorize/initial_mesh.h"
+
+namespace knotreel::vectorize {
+
+namespace {
+
+using mesh::EditableMesh;
+using mesh::FaceIndex;
+using mesh::KnotIndex;
+
+// Share of the control points that the first round may use; the rest is for refinement.
+constexpr double kFirstShare = 0.8;
+// Piecewise linear functions need more knots for the same error than the splines over the same knots.
+constexpr double kLinearSlack = 1.3;
+
+class Timer {
+ public:
+  /// Milliseconds since the last call.
+  double lap() {
+    const auto now = Clock::now();
+    const double ms = std::chrono::duration<double, std::milli>(now - start_).count();
+    start_ = now;
+    return ms;
+  }
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  Clock::time_point start_ = Clock::now();
+};
+
+/// Control points of a space over a mesh, before it is built: about (counted over photographs).
+double estimated_functions(const EditableMesh& mesh, int degree) {
+  std::size_t inner = 0;
+  std::size_t fixed = 0;
+  for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.is_face(f)) continue;
+    for (int i = 0; i < 3; ++i) ++(mesh.is_fixed({f, i}) ? fixed : inner);
+  }
+  // Inner edges are met twice, those of features too, which is how often they count once cut open.
+  const double edges = 0.855 * static_cast<double>(inner) / 2 + static_cast<double>(fixed);
+  return degree == 1 ? edges / 2.5 : degree == 2 ? edges : 1.6 * edges;
+}
+
+class Run {
+ public:
+  Run(const image::Image& picture, const Options& options, const Observer& observer)
+      : picture_(picture), options_(options), observer_(observer) {
+    progress_.picture = &picture_;
+    max_functions_ =
+        options.max_control_points > 0
+            ? options.max_control_points
+            : std::max<std::size_t>(16, static_cast<std::size_t>(0.025 * double(picture.pixel_count())));
+  }
+
+  Vectorization run() {
+    begin_round("round 1");
+    if (options_.features) find_features();
+    parametrize();
+    place_knots();
+    fit();
+    end_round();
+    for (int round = 2; round <= options_.rounds && !good_enough(); ++round) {
+      begin_round("round " + std::to_string(round));
+      if (!refine(round)) {
+        report_.rounds.pop_back();
+        break;
+      }
+      fit();
+      end_round();
+    }
+    if (options_.descent_steps > 0) {
+      begin_round("descent");
+      descend();
+      end_round();
+    }
+    begin_round("final");
+    finish();
+    end_round();
+    return {std::move(model_), std::move(report_)};
+  }
+
+ private:
+  void begin_round(std::string name) {
+    report_.rounds.emplace_back();
+    report_.rounds.back().name = std::move(name);
+    timer_.lap();
+  }
+
+  void lap(const char* stage) { report_.rounds.back().milliseconds.emplace_back(stage, timer_.lap()); }
+
+  void end_round() {
+    RoundReport& r = report_.rounds.back();
+    r.knots = surface_.space->mesh().knots.size();
+    r.control_points = surface_.space->function_count();
+    r.meg = meg_;
+    measure(r);
+    model_ = {};
+    model_.space = surface_.space;
+    model_.displacement = displacement_;
+    model_.channels = picture_.channels;
+    model_.colour = surface_.fit.control;
+    r.raw_bytes = document::raw_accounting_bytes(model_);
+    progress_.model = &model_;
+    progress_.residual = &surface_.fit.residual;
+    show(r.name);
+  }
+
+  void show(const std::string& stage) {
+    if (!observer_) return;
+    progress_.stage = stage;
+    observer_(progress_);
+    timer_.lap();
+  }
+
+  /// MEC and PSNR of the residual, over the pixels that count.
+  void measure(RoundReport& r) const {
+    const auto channels = static_cast<std::size_t>(picture_.channels);
+    double length = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < picture_.pixel_count(); ++i) {
+      if (!weights_.empty() && weights_[i] == 0) continue;
+      double squared = 0;
+      for (std::size_t c = 0; c < channels; ++c) {
+        const double d = static_cast<double>(surface_.fit.residual[i * channels + c]);
+        squared += d * d;
+      }
+      length += std::sqrt(squared);
+      ++count;
+    }
+    if (count == 0) return;
+    r.mec = length / static_cast<double>(count);
+    r.psnr =
+        10 * std::log10(255.0 * 255.0 * static_cast<double>(count * channels) / surface_.fit.squared_error);
+  }
+
+  bool good_enough() const {
+    return report_.rounds.back().mec <= options_.mec && report_.rounds.back().meg <= options_.meg;
+  }
+
+  // -- features and parametrization
+
+  void find_features() {
+    chains_ = features::detect_features(picture_, options_.detect);
+    progress_.detected = &chains_;
+    report_.chains = chains_.chains.size();
+    for (const auto& c : chains_.chains) report_.feature_pixels += c.points.size();
+    lap("detect");
+    show("features");
+    if (chains_.chains.empty()) return;
+    faired_ = chains_;
+    if (options_.fairing) features::fair_chains(faired_, options_.fair);
+    progress_.faired = &faired_;
+    lap("fair");
+    show("fairing");
+    corrected_ = options_.colour_correction
+                     ? features::correct_colours(picture_, faired_, options_.correction)
+                     : picture_;
+    progress_.corrected = &corrected_;
+    lap("correct");
+    show("correction");
+  }
+
+  bool has_features() const { return !faired_.chains.empty(); }
+  const image::Image& colours() const { return has_features() ? corrected_ : picture_; }
+
+  void parametrize() {
+    if (has_features()) {
+      image_mesh_ = features::make_image_mesh(faired_);
+      progress_.image_mesh = &image_mesh_;
+      param::ParametrizeReport report;
+      parametrization_ = param::parametrize(faired_, image_mesh_, options_.parametrize, &report);
+      report_.folds_left = report.folds_left;
+      report_.polyline_vertices = parametrization_.vertices.size();
+      progress_.parametrization = &parametrization_;
+      lap("parametrize");
+      show("parametrization");
+    } else {
+      parametrization_.width = picture_.width;
+      parametrization_.height = picture_.height;
+    }
+    try {
+      start_mesh_ = initial_mesh(parametrization_, options_.segment_knot_spacing);
+    } catch (const Error& e) {
+      if (e.kind() != ErrorKind::kInvalidArgument || parametrization_.polylines.empty()) throw;
+      drop_features();
+    }
+    if (has_features()) {
+      auto image = param::parametrized_image(corrected_, faired_, image_mesh_, parametrization_);
+      target_ = std::make_unique<knots::Target>(std::move(image.colours), std::move(image.weights));
+      place_pixels();
+    } else {
+      target_ = std::make_unique<knots::Target>(picture_, std::vector<float>{});
+    }
+    lap("resample");
+  }
+
+  /// Features whose polylines make no sound mesh (never seen) are given up.
+  void drop_features() {
+    report_.features_dropped = true;
+    faired_ = {};
+    parametrization_ = {};
+    parametrization_.width = picture_.width;
+    parametrization_.height = picture_.height;
+    start_mesh_ = initial_mesh(parametrization_, options_.segment_knot_spacing);
+  }
+
+  /// Pixel centres in the domain as the parametrization has them, and the pixels that features cross.
+  void place_pixels() {
+    const std::size_t n = picture_.pixel_count();
+    places_.resize(n);
+    on_feature_.assign(n, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+      const Vec2 centre{static_cast<double>(i % std::size_t(picture_.width)) + 0.5,
+                        static_cast<double>(i / std::size_t(picture_.width)) + 0.5};
+      const Vec2 u = parametrization_.parameter[i] + (centre - parametrization_.position[i]);
+      places_[i] = {std::clamp(u.x, 0.0, double(picture_.width)),
+                    std::clamp(u.y, 0.0, double(picture_.height))};
+    }
+    weights_.assign(n, 1.0F);
+    for (const param::CurveSample& s : parametrization_.curve_samples) {
+      if (s.pixel != param::kNoPixel) on_feature_[static_cast<std::size_t>(s.pixel)] = 1;
+      const int x = std::clamp(static_cast<int>(s.position.x), 0, picture_.width - 1);
+      const int y = std::clamp(static_cast<int>(s.position.y), 0, picture_.height - 1);
+      weights_[std::size_t(y) * std::size_t(picture_.width) + std::size_t(x)] = 0;
+    }
+  }
+
+  // -- knots
+
+  std::size_t knots_for(double functions, const EditableMesh& mesh) const {
+    const double now = estimated_functions(mesh, options_.degree);
+    const double per_knot = options_.degree == 1 ? 1.0 : options_.degree == 2 ? 2.56 : 4.1;
+    const double more = std::max(0.0, (functions - now) / per_knot);
+    return mesh.knot_count() + static_cast<std::size_t>(more);
+  }
+
+  void place_knots() {
+    mesh_ = std::make_unique<EditableMesh>(start_mesh_);
+    const double share = options_.rounds > 1 ? kFirstShare : 1.0;
+    knots::PlaceOptions place;
+    place.max_knots = knots_for(share * static_cast<double>(max_functions_), *mesh_);
+    place.mec = options_.mec * kLinearSlack;
+    place.min_distance = options_.optimise.min_distance;
+    knots::insert_knots(*mesh_, *target_, place);
+    lap("place");
+    knots::optimise(*mesh_, *target_, options_.optimise);
+    lap("optimise");
+    if (options_.optimise.connectivity) knots::remove_slivers(*mesh_, *target_, options_.optimise);
+    lap("slivers");
+    start_mesh_ = mesh_->to_mesh();
+    progress_.knot_mesh = &start_mesh_;
+    show("knots");
+  }
+
+  /// Inserts knots where the last fit was worst. @return whether there was room for any.
+  bool refine(int round) {
+    const int left = options_.rounds - round + 1;
+    const double used = static_cast<double>(surface_.space->function_count());
+    const double budget = used + (static_cast<double>(max_functions_) - used) / left;
+    const double per_knot = used / static_cast<double>(surface_.space->mesh().knots.size());
+    const double wanted = (budget - used) / per_knot;
+    if (wanted < 1) return false;
+    knots::RefineOptions refine;
+    refine.max_knots = static_cast<std::size_t>(wanted);
+    refine.min_distance = options_.optimise.min_distance;
+    mesh_ = std::make_unique<EditableMesh>(surface_.space->mesh());
+    const std::vector<KnotIndex> inserted =
+        knots::refine_knots(*mesh_, squared_errors(), places_, picture_.width, picture_.height, refine);
+    lap("insert");
+    if (inserted.empty()) return false;
+    knots::optimise(*mesh_, *target_, options_.optimise, two_ring(inserted));
+    lap("optimise");
+    return true;
+  }
+
+  std::vector<float> squared_errors() const {
+    const auto channels = static_cast<std::size_t>(picture_.channels);
+    std::vector<float> squared(picture_.pixel_count(), 0);
+    for (std::size_t i = 0; i < squared.size(); ++i) {
+      for (std::size_t c = 0; c < channels; ++c) {
+        const float d = surface_.fit.residual[i * channels + c];
+        squared[i] += d * d;
+      }
+    }
+    return squared;
+  }
+
+  /// Knots that local optimisation may move (paper sec. 8.2): new ones and their two-ring.
+  std::vector<bool> two_ring(const std::vector<KnotIndex>& inserted) const {
+    std::vector<bool> active(mesh_->knot_slots(), false);
+    std::vector<KnotIndex> front = inserted;
+    for (const KnotIndex k : inserted) active[k] = true;
+    std::vector<FaceIndex> ring;
+    for (int step = 0; step < 2; ++step) {
+      std::vector<KnotIndex> next;
+      for (const KnotIndex k : front) {
+        mesh_->faces_around(k, ring);
+        for (const FaceIndex f : ring) {
+          for (const KnotIndex j : mesh_->face(f)) {
+            if (!active[j]) next.push_back(j);
+            active[j] = true;
+          }
+        }
+      }
+      front = std::move(next);
+    }
+    return active;
+  }
+
+  // -- surfaces
+
+  fit::Pixels pixels() const { return {.image = &colours(), .weights = weights_, .places = places_}; }
+
+  void fit() {
+    mesh::KnotMesh mesh = mesh_->to_mesh();
+    surface_.space = options_.picture_links
+                         ? std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree,
+                                                                       knots::picture_links(*target_))
+                         : std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree);
+    lap("links");
+    const spline::Basis basis(surface_.space);
+    fit_geometry(basis);
+    surface_.fit = fit::fit_colours(basis, pixels(), options_.colour);
+    lap("colours");
+  }
+
+  void fit_geometry(const spline::Basis& basis) {
+    displacement_.assign(surface_.space->geometry_count(), Vec2{});
+    if (!has_features()) return;
+    const fit::GeometrySamples samples{picture_.width, picture_.height, parametrization_.parameter,
+                                       parametrization_.position, on_feature_};
+    displacement_ = fit::fit_geometry(basis, samples, options_.geometry);
+    measure_geometry(basis);
+    lap("geometry");
+  }
+
+  /// MEG over the feature curves.
+  void measure_geometry(const spline::Basis& basis) {
+    std::vector<spline::BasisValue> values;
+    double sum = 0;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < on_feature_.size(); ++i) {
+      if (!on_feature_[i]) continue;
+      Vec2 at = parametrization_.parameter[i];
+      basis.evaluate(at, values);
+      for (const auto& v : values)
+        at = at + v.value * displacement_[surface_.space->geometry_of()[v.function]];
+      sum += norm(at - parametrization_.position[i]);
+      ++count;
+    }
+    meg_ = count > 0 ? sum / static_cast<double>(count) : 0;
+  }
+
+  void descend() {
+    fit::DescentOptions descent;
+    descent.steps = options_.descent_steps;
+    descent.min_distance = options_.optimise.min_distance;
+    descent.colour = options_.colour;
+    surface_ = fit::descend(std::move(surface_), pixels(), descent);
+    lap("descend");
+  }
+
+  /// The last geometry, and colours at the very places where the renderer will look for them.
+  void finish() {
+    if (!has_features()) return;
+    const spline::Basis basis(surface_.space);
+    fit_geometry(basis);
+    fit::PixelPlaces exact =
+        fit::invert_geometry(basis, displacement_, picture_.width, picture_.height, places_);
+    lap("invert");
+    places_ = std::move(exact.places);
+    for (std::size_t i = 0; i < weights_.size(); ++i) weights_[i] = exact.crossed[i] ? 0.0F : 1.0F;
+    surface_.fit = fit::fit_colours(basis, pixels(), options_.colour);
+    lap("colours");
+  }
+
+  const image::Image& picture_;
+  const Options& options_;
+  const Observer& observer_;
+  Progress progress_;
+  Report report_;
+  Timer timer_;
+  std::size_t max_functions_ = 0;
+
+  features::FeatureChains chains_;
+  features::FeatureChains faired_;
+  image::Image corrected_;
+  features::ImageMesh image_mesh_;
+  param::Parametrization parametrization_;
+  std::vector<Vec2> places_;    ///< empty without features
+  std::vector<float> weights_;  ///< empty without features
+  std::vector<std::uint8_t> on_feature_;
+
+  std::unique_ptr<knots::Target> target_;
+  mesh::KnotMesh start_mesh_;
+  std::unique_ptr<EditableMesh> mesh_;
+  fit::ColourSurface surface_;
+  std::vector<Vec2> displacement_;
+  double meg_ = 0;
+  document::FrameModel model_;
+};
+
+void check(const image::Image& picture, const Options& options) {
+  const auto refuse = [](const char* what) { throw Error(ErrorKind::kInvalidArgument, what); };
+  if (picture.width < 1 || picture.height < 1) refuse("cannot vectorize a picture without pixels");
+  if (options.degree < 1 || options.degree > spline::kMaxDegree) refuse("the degree must be 1, 2 or 3");
+  if (options.rounds < 1) refuse("at least one round is needed");
+  if (!(options.mec >= 0) || !(options.meg >= 0)) refuse("error bounds cannot be negative");
+}
+
+}  // namespace
+
+Vectorization vectorize_picture(const image::Image& picture, const Options& options,
+                                const Observer& observer) {
+  check(picture, options);
+  return Run(picture, options, observer).run();
+}
+
+}  // namespace knotreel::vectorize
