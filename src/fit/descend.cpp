@@ -150,7 +150,6 @@ ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOp
     at.space = std::make_shared<const spline::SplineSpace>(
         spline::SplineSpace::from_link_codes(std::move(mesh), at.space->degree(), at.space->link_codes()));
     at.fit = fit_colours(spline::Basis(at.space), pixels, options.colour);
-    if (getenv("VD")) fprintf(stderr, "step %d: %.0f\n", i, at.fit.squared_error);
     if (at.fit.squared_error < best.fit.squared_error) best = at;
   }
   return best;

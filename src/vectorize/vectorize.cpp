@@ -12,6 +12,7 @@
 #include "knotreel/knots/refine.h"
 #include "knotreel/mesh/triangulate.h"
 #include "knotreel/param/parametrized_image.h"
+#include "vectorize/edge_colours.h"
 #include "vectorize/initial_mesh.h"
 
 namespace knotreel::vectorize {
@@ -26,6 +27,8 @@ using mesh::KnotIndex;
 constexpr double kFirstShare = 0.8;
 // Piecewise linear functions need more knots for the same error than the splines over the same knots.
 constexpr double kLinearSlack = 1.3;
+// Weight of pixels that a feature crosses.
+constexpr float kEdgeWeight = 0.1F;
 
 class Timer {
  public:
@@ -132,7 +135,7 @@ class Run {
     double length = 0;
     std::size_t count = 0;
     for (std::size_t i = 0; i < picture_.pixel_count(); ++i) {
-      if (!weights_.empty() && weights_[i] == 0) continue;
+      if (!weights_.empty() && weights_[i] < 1) continue;
       double squared = 0;
       for (std::size_t c = 0; c < channels; ++c) {
         const double d = static_cast<double>(surface_.fit.residual[i * channels + c]);
@@ -231,11 +234,22 @@ class Run {
                     std::clamp(u.y, 0.0, double(picture_.height))};
     }
     weights_.assign(n, 1.0F);
+    std::vector<std::uint8_t> crossed(n, 0);
     for (const param::CurveSample& s : parametrization_.curve_samples) {
       if (s.pixel != param::kNoPixel) on_feature_[static_cast<std::size_t>(s.pixel)] = 1;
       const int x = std::clamp(static_cast<int>(s.position.x), 0, picture_.width - 1);
       const int y = std::clamp(static_cast<int>(s.position.y), 0, picture_.height - 1);
-      weights_[std::size_t(y) * std::size_t(picture_.width) + std::size_t(x)] = 0;
+      crossed[std::size_t(y) * std::size_t(picture_.width) + std::size_t(x)] = 1;
+    }
+    weigh(crossed, start_mesh_);
+  }
+
+  /// Pixels that features cross count little, with the colour of their side: enough to keep the surface from
+  /// overshooting where it ends, too little to blur it.
+  void weigh(const std::vector<std::uint8_t>& crossed, const mesh::KnotMesh& mesh) {
+    const std::vector<std::uint8_t> given = clear_edge_colours(corrected_, places_, crossed, mesh);
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+      weights_[i] = !crossed[i] ? 1.0F : given[i] ? kEdgeWeight : 0.0F;
     }
   }
 
@@ -383,7 +397,7 @@ class Run {
         fit::invert_geometry(basis, displacement_, picture_.width, picture_.height, places_);
     lap("invert");
     places_ = std::move(exact.places);
-    for (std::size_t i = 0; i < weights_.size(); ++i) weights_[i] = exact.crossed[i] ? 0.0F : 1.0F;
+    weigh(exact.crossed, surface_.space->mesh());
     surface_.fit = fit::fit_colours(basis, pixels(), options_.colour);
     lap("colours");
   }
