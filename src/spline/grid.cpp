@@ -5,6 +5,7 @@
 #include "base/multiversion.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/spline/basis.h"
+#include "spline/places.h"
 #include "spline/tent.h"
 
 /// Basis functions on a whole pixel grid, by spans: everything is linear along a row.
@@ -40,8 +41,6 @@ class Grid {
         width_(space.mesh().width),
         height_(space.mesh().height) {}
 
-  double cell_width() const { return dx_; }
-  double cell_height() const { return dy_; }
   double x(std::int32_t column) const { return (column + 0.5) * dx_; }
   double y(std::int32_t row) const { return (row + 0.5) * dy_; }
 
@@ -58,8 +57,8 @@ class Grid {
   }
 
   /// Columns whose pixels may lie in the support of a term in one row, if they are at most `slack` from their
-  /// centres in each coordinate. Without slack: exact at walls, a little generous at slopes, where the tent is
-  /// clamped at zero anyway.
+  /// centres in each coordinate. Without slack: exact at walls, a little generous at slopes, where the tent
+  /// is clamped at zero anyway.
   Reach columns_of(const PieceTerm& term, std::int32_t row, double slack) const {
     double low = term.low.x - slack;
     double high = term.high.x + slack;
@@ -179,61 +178,6 @@ RowTask make_task(const Piece& piece, const PieceTerm& term, double y) {
   return task;
 }
 
-/// Pixels with places of their own in the parametric domain, instead of their centres.
-class Places {
- public:
-  Places(const Grid& grid, int columns, int rows, std::span<const Vec2> places)
-      : columns_(static_cast<std::size_t>(columns)), tile_columns_(columns_ / kTile + 1) {
-    if (places.empty()) return;
-    x_.resize(places.size());
-    y_.resize(places.size());
-    reach_.assign(tile_columns_ * (static_cast<std::size_t>(rows) / kTile + 1), 0);
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const std::size_t column = i % columns_;
-      const std::size_t row = i / columns_;
-      x_[i] = places[i].x;
-      y_[i] = places[i].y;
-      const double dx = std::abs(x_[i] - grid.x(static_cast<std::int32_t>(column)));
-      const double dy = std::abs(y_[i] - grid.y(static_cast<std::int32_t>(row)));
-      double& reach = reach_[row / kTile * tile_columns_ + column / kTile];
-      reach = std::max({reach, dx, dy});
-    }
-    widest_ = *std::max_element(reach_.begin(), reach_.end());
-  }
-
-  /// Places of a row of pixels.
-  const double* x(std::int32_t row) const { return x_.data() + static_cast<std::size_t>(row) * columns_; }
-  const double* y(std::int32_t row) const { return y_.data() + static_cast<std::size_t>(row) * columns_; }
-
-  /// Largest distance by coordinate of a pixel from its place, for the pixels that may lie in a box.
-  double reach(const Grid& grid, Vec2 low, Vec2 high) const {
-    if (widest_ == 0) return 0;
-    const auto tile = [](double v, double cell, std::size_t count) {
-      return std::min(count - 1, static_cast<std::size_t>(std::max(0.0, v / cell)) / kTile);
-    };
-    const std::size_t right = tile(high.x + widest_, grid.cell_width(), tile_columns_);
-    const std::size_t rows = reach_.size() / tile_columns_;
-    const std::size_t bottom = tile(high.y + widest_, grid.cell_height(), rows);
-    double reach = 0;
-    for (std::size_t v = tile(low.y - widest_, grid.cell_height(), rows); v <= bottom; ++v) {
-      for (std::size_t u = tile(low.x - widest_, grid.cell_width(), tile_columns_); u <= right; ++u) {
-        reach = std::max(reach, reach_[v * tile_columns_ + u]);
-      }
-    }
-    return reach;
-  }
-
- private:
-  static constexpr std::size_t kTile = 8;
-
-  std::size_t columns_;
-  std::size_t tile_columns_;
-  std::vector<double> x_;
-  std::vector<double> y_;
-  std::vector<double> reach_;  ///< by tiles of pixels
-  double widest_ = 0;
-};
-
 /// Where every term reaches, row by row.
 struct Reaches {
   std::vector<std::size_t> begin;   ///< per term, into reaches
@@ -249,7 +193,7 @@ Reaches find_reaches(const PieceSet& set, const Grid& grid, const Places& places
   r.first.resize(terms);
   r.slack.resize(terms);
   for (std::size_t t = 0; t < terms; ++t) {
-    const double slack = places.reach(grid, set.terms[t].low, set.terms[t].high);
+    const double slack = places.reach(set.terms[t].low, set.terms[t].high);
     r.slack[t] = std::nextafter(static_cast<float>(slack), std::numeric_limits<float>::max());
     if (slack == 0) r.slack[t] = 0;
     const Reach rows = grid.rows_of(set.terms[t], static_cast<double>(r.slack[t]));
@@ -452,7 +396,7 @@ GridValues Basis::evaluate_grid_rows(int columns, int rows, int row_begin, int r
 GridValues Basis::evaluate_pixels(int columns, int rows, std::span<const Vec2> places, int row_begin,
                                   int row_end) const {
   const Grid grid(*space_, columns, rows, row_begin, row_end);
-  const Places moved(grid, columns, rows, places);
+  const Places moved(columns, rows, space_->mesh().width / columns, space_->mesh().height / rows, places);
   const Reaches reaches = find_reaches(pieces_, grid, moved);
   GridValues result = lay_out(*space_, pieces_, reaches, columns);
   std::vector<double> x(static_cast<std::size_t>(columns));

@@ -225,23 +225,30 @@ class Run {
   void place_pixels() {
     const std::size_t n = picture_.pixel_count();
     places_.resize(n);
-    on_feature_.assign(n, 0);
     for (std::size_t i = 0; i < n; ++i) {
       const Vec2 centre{static_cast<double>(i % std::size_t(picture_.width)) + 0.5,
                         static_cast<double>(i / std::size_t(picture_.width)) + 0.5};
-      const Vec2 u = parametrization_.parameter[i] + (centre - parametrization_.position[i]);
+      const Vec2 shift = parametrization_.parameter[i] - parametrization_.position[i];
+      const Vec2 u = centre + shift;
       places_[i] = {std::clamp(u.x, 0.0, double(picture_.width)),
                     std::clamp(u.y, 0.0, double(picture_.height))};
     }
     weights_.assign(n, 1.0F);
     std::vector<std::uint8_t> crossed(n, 0);
     for (const param::CurveSample& s : parametrization_.curve_samples) {
-      if (s.pixel != param::kNoPixel) on_feature_[static_cast<std::size_t>(s.pixel)] = 1;
+      curves_.push_back({parameter_of(s), s.position});
       const int x = std::clamp(static_cast<int>(s.position.x), 0, picture_.width - 1);
       const int y = std::clamp(static_cast<int>(s.position.y), 0, picture_.height - 1);
       crossed[std::size_t(y) * std::size_t(picture_.width) + std::size_t(x)] = 1;
     }
     weigh(crossed, start_mesh_);
+  }
+
+  Vec2 parameter_of(const param::CurveSample& s) const {
+    const param::Polyline& line = parametrization_.polylines[s.polyline];
+    const Vec2 a = parametrization_.vertices[line.vertices[s.segment]].position;
+    const Vec2 b = parametrization_.vertices[line.vertices[(s.segment + 1) % line.vertices.size()]].position;
+    return a + s.t * (b - a);
   }
 
   /// Pixels that features cross count little, with the colour of their side: enough to keep the surface from
@@ -347,36 +354,19 @@ class Run {
                          : std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree);
     lap("links");
     const spline::Basis basis(surface_.space);
-    fit_geometry(basis);
-    surface_.fit = fit::fit_colours(basis, pixels(), options_.colour);
+    const fit::PixelValues values(basis, picture_.width, picture_.height, places_);
+    lap("basis");
+    fit_geometry(values);
+    surface_.fit = fit::fit_colours(values, pixels(), options_.colour);
     lap("colours");
   }
 
-  void fit_geometry(const spline::Basis& basis) {
+  void fit_geometry(const fit::PixelValues& values) {
     displacement_.assign(surface_.space->geometry_count(), Vec2{});
     if (!has_features()) return;
-    const fit::GeometrySamples samples{picture_.width, picture_.height, parametrization_.parameter,
-                                       parametrization_.position, on_feature_};
-    displacement_ = fit::fit_geometry(basis, samples, options_.geometry);
-    measure_geometry(basis);
+    displacement_ = fit::fit_geometry(values, places_, curves_, options_.geometry);
+    meg_ = fit::geometry_error(values.basis(), displacement_, curves_);
     lap("geometry");
-  }
-
-  /// MEG over the feature curves.
-  void measure_geometry(const spline::Basis& basis) {
-    std::vector<spline::BasisValue> values;
-    double sum = 0;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < on_feature_.size(); ++i) {
-      if (!on_feature_[i]) continue;
-      Vec2 at = parametrization_.parameter[i];
-      basis.evaluate(at, values);
-      for (const auto& v : values)
-        at = at + v.value * displacement_[surface_.space->geometry_of()[v.function]];
-      sum += norm(at - parametrization_.position[i]);
-      ++count;
-    }
-    meg_ = count > 0 ? sum / static_cast<double>(count) : 0;
   }
 
   void descend() {
@@ -392,12 +382,15 @@ class Run {
   void finish() {
     if (!has_features()) return;
     const spline::Basis basis(surface_.space);
-    fit_geometry(basis);
-    fit::PixelPlaces exact =
-        fit::invert_geometry(basis, displacement_, picture_.width, picture_.height, places_);
+    {
+      const fit::PixelValues values(basis, picture_.width, picture_.height, places_);
+      lap("basis");
+      fit_geometry(values);
+      fit::PixelPlaces exact = fit::invert_geometry(values, displacement_, places_);
+      places_ = std::move(exact.places);
+      weigh(exact.crossed, surface_.space->mesh());
+    }
     lap("invert");
-    places_ = std::move(exact.places);
-    weigh(exact.crossed, surface_.space->mesh());
     surface_.fit = fit::fit_colours(basis, pixels(), options_.colour);
     lap("colours");
   }
@@ -417,7 +410,7 @@ class Run {
   param::Parametrization parametrization_;
   std::vector<Vec2> places_;    ///< empty without features
   std::vector<float> weights_;  ///< empty without features
-  std::vector<std::uint8_t> on_feature_;
+  std::vector<fit::CurvePoint> curves_;
 
   std::unique_ptr<knots::Target> target_;
   mesh::KnotMesh start_mesh_;
