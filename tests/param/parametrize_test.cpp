@@ -7,6 +7,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/param/parametrization.h"
+#include "param/framed_mesh.h"
 #include "param/laws.h"
 #include "support/chains.h"
 
@@ -125,9 +126,31 @@ TEST(Parametrize, RandomChainsObeyAllLaws) {
 TEST(Parametrize, ClosePolylinesKeepTheirSides) {
   // An arc over a chain that lies between the arc and its chord.
   ChainBuilder b(120, 60);
-  ASSERT_TRUE(b.add(arc({60, 140}, 110, -2.0, -1.1)));
-  ASSERT_TRUE(b.add(arc({60, 140}, 107.5, -1.7, -1.4)));
-  run_sound(b.chains);
+  ASSERT_TRUE(b.add(arc({60, 140.5}, 110, -1.79, -1.35)));
+  ASSERT_TRUE(b.add({{57.5, 32.5}, {62.5, 32.5}}));
+  ParametrizeReport report;
+  run_sound(b.chains, &report);
+  EXPECT_EQ(report.folds_found, 0);  // so it is the polylines that are right, not their repair
+}
+
+TEST(Parametrize, ProjectionsAdvanceWhereAChainTurnsBack) {
+  // Right, back left, and right again, all of it within three pixels of a straight line.
+  FeatureChains chains;
+  chains.width = 50;
+  chains.height = 20;
+  chains.node_count = 2;
+  features::Chain chain;
+  chain.last_node = 1;
+  const auto push = [&](int x, int y) { chain.points.push_back({x, y, {x + 0.5, y + 0.5}}); };
+  for (int x = 5; x <= 22; ++x) push(x, 12);
+  push(23, 11);
+  for (int x = 22; x >= 18; --x) push(x, 10);
+  push(17, 9);
+  for (int x = 18; x <= 40; ++x) push(x, 8);
+  chains.chains.push_back(chain);
+  ParametrizeReport report;
+  run_sound(chains, &report);
+  EXPECT_EQ(report.folds_found, 0);
 }
 
 TEST(Parametrize, ChordsBetweenTheSameNodesDoNotCoincide) {
@@ -146,8 +169,10 @@ TEST(Parametrize, ChordsBetweenTheSameNodesDoNotCoincide) {
     }
     chains.chains.push_back(chain);
   }
-  const Parametrization p = run_sound(chains);
+  ParametrizeReport report;
+  const Parametrization p = run_sound(chains, &report);
   EXPECT_GE(p.vertices.size(), 3U);
+  EXPECT_EQ(report.folds_found, 0);
 }
 
 TEST(Parametrize, FairedPositionsThatCrossFallBackToThePixels) {
@@ -180,6 +205,17 @@ TEST(Parametrize, EndsOnTheBorderAreContinuedToIt) {
   EXPECT_EQ(p.curve_samples.front().pixel, kNoPixel);
   EXPECT_EQ(p.curve_samples.back().pixel, kNoPixel);
   EXPECT_EQ(p.curve_samples.size(), b.chains.chains[0].points.size() + 2);
+}
+
+TEST(Parametrize, TheRingOfTheMeshFollowsEndsOnTheBorder) {
+  ChainBuilder b(80, 60);
+  ASSERT_TRUE(b.add({{0.5, 20.5}, {30.5, 50.5}}));
+  const auto mesh = features::make_image_mesh(b.chains);
+  const Parametrization p = run_sound(b.chains);
+  const FramedMesh framed(mesh, p);
+  EXPECT_EQ(framed.vertex(p.parameter, -1, 20), p.vertices.front().position);
+  EXPECT_NE(framed.vertex(p.parameter, -1, 20), (Vec2{0, 20.5}));  // a slanting curve goes on slanting
+  EXPECT_EQ(framed.vertex(p.parameter, -1, 21), (Vec2{0, 21.5}));
 }
 
 TEST(Parametrize, EndsNearADomainCornerStayAwayFromIt) {
