@@ -172,4 +172,15 @@ void expect_sound(const features::FeatureChains& chains, const features::ImageMe
   }
 }
 
+Parametrization run_sound(const features::FeatureChains& chains, ParametrizeReport* report) {
+  ParametrizeReport local;
+  const auto mesh = features::make_image_mesh(chains);
+  Parametrization p = parametrize(chains, mesh, {}, &local);
+  EXPECT_EQ(local.dropped_chains, 0);
+  EXPECT_EQ(local.folds_left, 0);
+  expect_sound(chains, mesh, p);
+  if (report != nullptr) *report = local;
+  return p;
+}
+
 }  // namespace knotreel::param::testing

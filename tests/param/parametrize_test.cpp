@@ -7,7 +7,6 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/param/parametrization.h"
-#include "param/framed_mesh.h"
 #include "param/laws.h"
 #include "support/chains.h"
 
@@ -18,22 +17,11 @@ using features::FeatureChains;
 using knotreel::testing::arc;
 using knotreel::testing::ChainBuilder;
 using knotreel::testing::random_chains;
+using testing::run_sound;
 
 Parametrization run(const FeatureChains& chains, const ParametrizeOptions& options = {},
                     ParametrizeReport* report = nullptr) {
   return parametrize(chains, features::make_image_mesh(chains), options, report);
-}
-
-/// Runs and checks everything that holds for any chains.
-Parametrization run_sound(const FeatureChains& chains, ParametrizeReport* report = nullptr) {
-  ParametrizeReport local;
-  const auto mesh = features::make_image_mesh(chains);
-  Parametrization p = parametrize(chains, mesh, {}, &local);
-  EXPECT_EQ(local.dropped_chains, 0);
-  EXPECT_EQ(local.folds_left, 0);
-  testing::expect_sound(chains, mesh, p);
-  if (report != nullptr) *report = local;
-  return p;
 }
 
 double largest_displacement(const Parametrization& p, const std::vector<Vec2>& layout) {
@@ -112,6 +100,24 @@ TEST(Parametrize, ACircleBecomesAPolygonAndItsDisplacementDiesOff) {
     }
   }
   EXPECT_EQ(moved, 0);
+}
+
+TEST(Parametrize, ItDoesNotMatterWhereAClosedChainStarts) {
+  ChainBuilder b(120, 120);
+  ASSERT_TRUE(b.add(arc({60.3, 58.9}, 33), true));
+  const auto sorted_vertices = [](const FeatureChains& chains) {
+    std::vector<std::pair<double, double>> sorted;
+    for (const PolylineVertex& v : run_sound(chains).vertices)
+      sorted.emplace_back(v.position.x, v.position.y);
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  };
+  const auto expected = sorted_vertices(b.chains);
+  for (int turn = 0; turn < 5; ++turn) {
+    auto& points = b.chains.chains[0].points;
+    std::rotate(points.begin(), points.begin() + 31, points.end());
+    EXPECT_EQ(sorted_vertices(b.chains), expected);
+  }
 }
 
 TEST(Parametrize, RandomChainsObeyAllLaws) {
@@ -194,48 +200,6 @@ TEST(Parametrize, FairedPositionsThatCrossFallBackToThePixels) {
   ParametrizeReport report;
   const Parametrization p = run_sound(chains, &report);
   EXPECT_GT(report.relaxed_points, 0);
-}
-
-TEST(Parametrize, EndsOnTheBorderAreContinuedToIt) {
-  ChainBuilder b(80, 60);
-  ASSERT_TRUE(b.add({{0.5, 20.5}, {79.5, 35.5}}));
-  const Parametrization p = run_sound(b.chains);
-  EXPECT_EQ(p.vertices.front().place, VertexPlace::kLeft);
-  EXPECT_EQ(p.vertices.back().place, VertexPlace::kRight);
-  EXPECT_EQ(p.curve_samples.front().pixel, kNoPixel);
-  EXPECT_EQ(p.curve_samples.back().pixel, kNoPixel);
-  EXPECT_EQ(p.curve_samples.size(), b.chains.chains[0].points.size() + 2);
-}
-
-TEST(Parametrize, TheRingOfTheMeshFollowsEndsOnTheBorder) {
-  ChainBuilder b(80, 60);
-  ASSERT_TRUE(b.add({{0.5, 20.5}, {30.5, 50.5}}));
-  const auto mesh = features::make_image_mesh(b.chains);
-  const Parametrization p = run_sound(b.chains);
-  const FramedMesh framed(mesh, p);
-  EXPECT_EQ(framed.vertex(p.parameter, -1, 20), p.vertices.front().position);
-  EXPECT_NE(framed.vertex(p.parameter, -1, 20), (Vec2{0, 20.5}));  // a slanting curve goes on slanting
-  EXPECT_EQ(framed.vertex(p.parameter, -1, 21), (Vec2{0, 21.5}));
-}
-
-TEST(Parametrize, EndsNearADomainCornerStayAwayFromIt) {
-  for (int x = 0; x < 6; ++x) {
-    ChainBuilder b(50, 40);
-    ASSERT_TRUE(b.add({{x + 0.5, 0.5}, {25.5, 25.5}}));
-    const Parametrization p = run_sound(b.chains);
-    const bool on_side = std::any_of(p.vertices.begin(), p.vertices.end(),
-                                     [](const PolylineVertex& v) { return v.place != VertexPlace::kInside; });
-    EXPECT_EQ(on_side, x >= 1);
-  }
-}
-
-TEST(Parametrize, ChainsThatStopShortOfTheBorderGoOn) {
-  ChainBuilder b(50, 40);
-  ASSERT_TRUE(b.add({{20.5, 2.5}, {22.5, 30.5}}));
-  b.chains.chains[0].first_on_border = true;
-  const Parametrization p = run_sound(b.chains);
-  EXPECT_EQ(p.vertices.front().place, VertexPlace::kTop);
-  EXPECT_EQ(p.curve_samples.size(), b.chains.chains[0].points.size() + 3);
 }
 
 TEST(Parametrize, SameBitsForAnyNumberOfThreads) {
