@@ -25,6 +25,8 @@ using mesh::KnotIndex;
 
 // Share of the control points that the first round may use; the rest is for refinement.
 constexpr double kFirstShare = 0.8;
+// Share of the control points that features may use up, before any knot is put between them.
+constexpr double kFeatureShare = 0.5;
 // Piecewise linear functions need more knots for the same error than the splines over the same knots.
 constexpr double kLinearSlack = 1.3;
 // Weight of pixels that a feature crosses.
@@ -72,7 +74,7 @@ class Run {
   Vectorization run() {
     begin_round("round 1");
     if (options_.features) find_features();
-    parametrize();
+    map_features();
     place_knots();
     fit();
     end_round();
@@ -163,7 +165,11 @@ class Run {
     for (const auto& c : chains_.chains) report_.feature_pixels += c.points.size();
     lap("detect");
     show("features");
-    if (chains_.chains.empty()) return;
+    if (!chains_.chains.empty()) prepare_features();
+  }
+
+  /// Curves and colours for the chains that there are.
+  void prepare_features() {
     faired_ = chains_;
     if (options_.fairing) features::fair_chains(faired_, options_.fair);
     progress_.faired = &faired_;
@@ -180,27 +186,65 @@ class Run {
   bool has_features() const { return !faired_.chains.empty(); }
   const image::Image& colours() const { return has_features() ? corrected_ : picture_; }
 
+  /// Features, parametrization and the knots on the features, within their share of the control points.
+  void map_features() {
+    for (;;) {
+      parametrize();
+      if (!has_features()) break;
+      const double functions = estimated_functions(EditableMesh(start_mesh_), options_.degree);
+      const double allowed = kFeatureShare * static_cast<double>(max_functions_);
+      if (functions <= allowed) break;
+      keep_longest(0.9 * allowed / functions);
+      faired_ = {};
+      if (!chains_.chains.empty()) prepare_features();
+    }
+    make_target();
+  }
+
+  /// Drops the shortest chains, until at most this share of the feature pixels is left; at least one chain.
+  void keep_longest(double share) {
+    auto& chains = chains_.chains;
+    std::stable_sort(chains.begin(), chains.end(), [](const features::Chain& a, const features::Chain& b) {
+      return a.points.size() > b.points.size();
+    });
+    std::size_t pixels = 0;
+    for (const auto& c : chains) pixels += c.points.size();
+    const double allowed = share * static_cast<double>(pixels);
+    std::size_t kept = 0;
+    std::size_t count = 0;
+    while (count < chains.size() && static_cast<double>(kept + chains[count].points.size()) <= allowed) {
+      kept += chains[count++].points.size();
+    }
+    report_.chains_over_budget += chains.size() - count;
+    chains.resize(count);
+  }
+
   void parametrize() {
-    if (has_features()) {
-      image_mesh_ = features::make_image_mesh(faired_);
-      progress_.image_mesh = &image_mesh_;
-      param::ParametrizeReport report;
-      parametrization_ = param::parametrize(faired_, image_mesh_, options_.parametrize, &report);
-      report_.folds_left = report.folds_left;
-      report_.polyline_vertices = parametrization_.vertices.size();
-      progress_.parametrization = &parametrization_;
-      lap("parametrize");
-      show("parametrization");
-    } else {
+    if (!has_features()) {
+      parametrization_ = {};
       parametrization_.width = picture_.width;
       parametrization_.height = picture_.height;
+      start_mesh_ = initial_mesh(parametrization_, options_.segment_knot_spacing);
+      return;
     }
+    image_mesh_ = features::make_image_mesh(faired_);
+    progress_.image_mesh = &image_mesh_;
+    param::ParametrizeReport report;
+    parametrization_ = param::parametrize(faired_, image_mesh_, options_.parametrize, &report);
+    report_.folds_left = report.folds_left;
+    report_.polyline_vertices = parametrization_.vertices.size();
+    progress_.parametrization = &parametrization_;
+    lap("parametrize");
+    show("parametrization");
     try {
       start_mesh_ = initial_mesh(parametrization_, options_.segment_knot_spacing);
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::kInvalidArgument || parametrization_.polylines.empty()) throw;
       drop_features();
     }
+  }
+
+  void make_target() {
     if (has_features()) {
       auto image = param::parametrized_image(corrected_, faired_, image_mesh_, parametrization_);
       target_ = std::make_unique<knots::Target>(std::move(image.colours), std::move(image.weights));
@@ -215,10 +259,7 @@ class Run {
   void drop_features() {
     report_.features_dropped = true;
     faired_ = {};
-    parametrization_ = {};
-    parametrization_.width = picture_.width;
-    parametrization_.height = picture_.height;
-    start_mesh_ = initial_mesh(parametrization_, options_.segment_knot_spacing);
+    parametrize();
   }
 
   /// Pixel centres in the domain as the parametrization has them, and the pixels that features cross.
@@ -296,7 +337,7 @@ class Run {
     const double wanted = (budget - used) / per_knot;
     if (wanted < 1) return false;
     knots::RefineOptions refine;
-    refine.max_knots = static_cast<std::size_t>(wanted);
+    refine.max_knots = static_cast<std::size_t>(0.98 * wanted);
     refine.min_distance = options_.optimise.min_distance;
     mesh_ = std::make_unique<EditableMesh>(surface_.space->mesh());
     const std::vector<KnotIndex> inserted =
@@ -346,12 +387,30 @@ class Run {
 
   fit::Pixels pixels() const { return {.image = &colours(), .weights = weights_, .places = places_}; }
 
-  void fit() {
+  void make_space() {
     mesh::KnotMesh mesh = mesh_->to_mesh();
     surface_.space = options_.picture_links
                          ? std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree,
                                                                        knots::picture_links(*target_))
                          : std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree);
+  }
+
+  /// Takes away the knots inserted last until the bound on the control points holds.
+  void keep_bound() {
+    while (surface_.space->function_count() > max_functions_) {
+      const std::size_t excess = surface_.space->function_count() - max_functions_;
+      std::size_t left = excess / 3 + 1;
+      for (std::size_t k = mesh_->knot_slots(); k-- > 0 && left > 0;) {
+        if (mesh_->is_knot(static_cast<KnotIndex>(k)) && mesh_->remove(static_cast<KnotIndex>(k))) --left;
+      }
+      if (left > excess / 3) return;  // no free knot is left
+      make_space();
+    }
+  }
+
+  void fit() {
+    make_space();
+    keep_bound();
     lap("links");
     const spline::Basis basis(surface_.space);
     const fit::PixelValues values(basis, picture_.width, picture_.height, places_);
