@@ -24,7 +24,7 @@ std::vector<std::pair<int, int>> find_anchors(const GradientField& field, double
     for (std::size_t i = begin + 1; i + 1 < begin + std::size_t(field.width); ++i) {
       const float m = field.magnitude[i];
       if (m < least) continue;
-      const std::size_t across = field.vertical(i) ? 1 : std::size_t(field.width);
+      const std::size_t across = is_vertical(field.inner_gradient(i)) ? 1 : std::size_t(field.width);
       if (m <= field.magnitude[i - across] || m < field.magnitude[i + across]) continue;
       // Positive floats are ordered like their bits; turned over for the strongest first.
       found[row].push_back({~std::bit_cast<std::uint32_t>(m), std::uint32_t(i)});

@@ -109,13 +109,14 @@ void prune(LinkMap& map, double min_length) {
   while (changed) {
     changed = false;
     for (int i = 0; i < map.size(); ++i) {
-      if (map.degree(i) == 1) {
-        const Stretch stretch = stretch_from(map, i, first_direction(map, i));
-        if (too_short(map, stretch, min_length)) {
-          erase(map, stretch);
-          changed = true;
-        }
-      }
+      if (map.degree(i) != 1) continue;
+      const Stretch stretch = stretch_from(map, i, first_direction(map, i));
+      if (!too_short(map, stretch, min_length)) continue;
+      erase(map, stretch);
+      changed = true;
+    }
+    if (changed) continue;
+    for (int i = 0; i < map.size(); ++i) {
       if (map.drawn(i) && drop_unsound(map, i)) changed = true;
     }
   }

@@ -12,6 +12,16 @@ int direction_of(int step_x, int step_y) {
   return -1;
 }
 
+/// Pixels at the sides that walks keep away from. What lies there is the frame of a scan more often than a
+/// feature, and leaves no room for faces between curve and side.
+constexpr int kMargin = 2;
+
+/// A walk does not go on to less than this share of the gradient that it comes from. At right-angled corners
+/// the magnitude falls to a half; far less means that the walk has left its edge over the foot of the ridge.
+constexpr float kLeastShare = 0.25F;
+/// By how much that memory fades per step, so that edges may fade.
+constexpr float kFading = 0.8F;
+
 bool neighbours(const LinkMap& map, int a, int b) {
   return std::abs(map.x(a) - map.x(b)) <= 1 && std::abs(map.y(a) - map.y(b)) <= 1;
 }
@@ -22,11 +32,11 @@ Walker::Walker(const GradientField& field, const LinkMap& map, double threshold)
     : field_(field), map_(map), threshold_(float(threshold)), marks_(std::size_t(map.size()), 0) {}
 
 std::vector<int> Walker::walk(int anchor) {
-  if (map_.crowded(anchor) || closed(anchor)) return {};
   stamp_ += 2;
+  if (!enterable(anchor) || map_.crowded(anchor)) return {};
   marks_[std::size_t(anchor)] = stamp_;
   std::vector<int> path{anchor};
-  const bool vertical = field_.vertical(at(anchor));
+  const bool vertical = is_vertical(field_.inner_gradient(at(anchor)));
   extend(path, vertical ? 0 : -1, vertical ? -1 : 0);
   std::reverse(path.begin(), path.end());
   extend(path, vertical ? 0 : 1, vertical ? 1 : 0);
@@ -35,10 +45,12 @@ std::vector<int> Walker::walk(int anchor) {
 
 /// Goes on from the end of the path, until it ends.
 void Walker::extend(std::vector<int>& path, int step_x, int step_y) {
+  float level = 0;
   while (true) {
     const int here = path.back();
+    level = std::max(kFading * level, field_.magnitude[at(here)]);
     const int next = next_pixel(here, step_x, step_y);
-    if (next < 0 || map_.crowded(next)) return;
+    if (next < 0 || map_.crowded(next) || field_.magnitude[at(next)] < kLeastShare * level) return;
     // A step around the corner of a pixel: the pixel at the corner is not needed.
     const bool shortcut = path.size() > 1 && neighbours(map_, next, path[path.size() - 2]);
     if (shortcut) {
@@ -59,7 +71,7 @@ void Walker::extend(std::vector<int>& path, int step_x, int step_y) {
 /// @param step_x, step_y the step that led to `pixel`
 int Walker::next_pixel(int pixel, int step_x, int step_y) const {
   const int heading = direction_of(step_x, step_y);
-  const bool vertical = field_.vertical(at(pixel));
+  const bool vertical = is_vertical(field_.inner_gradient(at(pixel)));
   const int along = vertical ? step_y : step_x;
   int next = -1;
   if (along != 0) {
@@ -92,7 +104,9 @@ int Walker::strongest(int pixel, const int (&directions)[4], int count) const {
 bool Walker::enterable(int pixel) const {
   const int x = map_.x(pixel);
   const int y = map_.y(pixel);
-  if (x < 1 || y < 1 || x >= map_.width() - 1 || y >= map_.height() - 1) return false;
+  const bool inside =
+      x >= kMargin && y >= kMargin && x < map_.width() - kMargin && y < map_.height() - kMargin;
+  if (!inside) return false;
   const std::int32_t mark = marks_[std::size_t(pixel)];
   return mark != kClosed && mark < stamp_ && field_.magnitude[field_.at(x, y)] >= threshold_;
 }
@@ -103,9 +117,9 @@ bool Walker::same_edge(int a, int b) const {
   const std::size_t i = at(a);
   const std::size_t j = at(b);
   const int c = field_.channel[i];
-  if (dot(field_.gradient(i, c), field_.gradient(j, c)) > 0) return true;
+  if (dot(field_.inner_gradient(i, c), field_.inner_gradient(j, c)) > 0) return true;
   const int other = field_.channel[j];
-  return other != c && dot(field_.gradient(i, other), field_.gradient(j, other)) > 0;
+  return other != c && dot(field_.inner_gradient(i, other), field_.inner_gradient(j, other)) > 0;
 }
 
 /// Some pixel around is on the path, other than its end.
