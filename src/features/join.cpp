@@ -84,7 +84,7 @@ bool is_own(const LinkMap& map, int q, int from) {
 }
 
 /// Bridges from the tail taken back by `back` pixels to drawn pixels ahead of it.
-void collect_bridges(const LinkMap& map, const std::vector<int>& tail, std::size_t back,
+void collect_bridges(const LinkMap& map, const std::vector<int>& tail, std::size_t back, Join join,
                      std::vector<Bridge>& bridges) {
   const int base = tail[back];
   const Vec2 heading = vector_between(map, tail[std::min(back + 4, tail.size() - 1)], base);
@@ -98,7 +98,9 @@ void collect_bridges(const LinkMap& map, const std::vector<int>& tail, std::size
       const Vec2 v{double(dx), double(dy)};
       const double lengths = norm(v) * norm(heading);
       const double ahead = dot(v, heading);
-      if (lengths == 0 || ahead < (norm(v) < kContact ? 0.5 : 0.8) * lengths) continue;
+      const bool contact = norm(v) < kContact;
+      if (lengths == 0 || (!contact && join == Join::kContacts)) continue;
+      if (ahead < (contact ? 0.5 : 0.8) * lengths) continue;
       const double turn = 1 - ahead / lengths;
       bridges.push_back({norm(v) + double(back) + 2 * turn - (map.node(q) ? 1.5 : 0), back, q});
     }
@@ -132,12 +134,12 @@ bool try_bridge(LinkMap& map, const std::vector<int>& tail, const Bridge& bridge
 
 }  // namespace
 
-bool join_tip(LinkMap& map, int tip) {
+bool join_tip(LinkMap& map, int tip, Join join) {
   if (map.degree(tip) != 1 || map.at_side(tip)) return false;
   const std::vector<int> tail = tail_of(map, tip);
   std::vector<Bridge> bridges;
   for (std::size_t back = 0; back <= kMaxBack && back + kNodeDistance < tail.size(); ++back) {
-    collect_bridges(map, tail, back, bridges);
+    collect_bridges(map, tail, back, join, bridges);
   }
   std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
     return std::tie(a.cost, a.back, a.to) < std::tie(b.cost, b.back, b.to);

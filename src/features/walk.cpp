@@ -1,6 +1,7 @@
 #include "features/walk.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace knotreel::features {
 namespace {
@@ -33,13 +34,21 @@ Walker::Walker(const GradientField& field, const LinkMap& map, double threshold)
 
 std::vector<int> Walker::walk(int anchor) {
   stamp_ += 2;
-  if (!enterable(anchor) || map_.crowded(anchor)) return {};
+  if (closed(anchor) || in_margin(anchor) || map_.crowded(anchor)) return {};
   marks_[std::size_t(anchor)] = stamp_;
   std::vector<int> path{anchor};
-  const bool vertical = is_vertical(field_.inner_gradient(at(anchor)));
-  extend(path, vertical ? 0 : -1, vertical ? -1 : 0);
+  int step_x = 1;
+  int step_y = 0;
+  if (is_vertical(field_.inner_gradient(at(anchor)))) std::swap(step_x, step_y);
+  // The stronger way first, so that mirrored pictures have mirrored walks.
+  const auto strength = [&](int next) { return next < 0 ? 0.0F : field_.magnitude[at(next)]; };
+  if (strength(next_pixel(anchor, step_x, step_y)) < strength(next_pixel(anchor, -step_x, -step_y))) {
+    step_x = -step_x;
+    step_y = -step_y;
+  }
+  extend(path, step_x, step_y);
   std::reverse(path.begin(), path.end());
-  extend(path, vertical ? 0 : 1, vertical ? 1 : 0);
+  extend(path, -step_x, -step_y);
   return path;
 }
 
@@ -73,7 +82,7 @@ int Walker::next_pixel(int pixel, int step_x, int step_y) const {
   const int heading = direction_of(step_x, step_y);
   const bool vertical = is_vertical(field_.inner_gradient(at(pixel)));
   const int along = vertical ? step_y : step_x;
-  int next = -1;
+  int next = kNone;
   if (along != 0) {
     const int d = vertical ? direction_of(0, along) : direction_of(along, 0);
     next = strongest(pixel, {d, (d + 1) % 8, (d + 7) % 8, 0}, 3);
@@ -82,33 +91,33 @@ int Walker::next_pixel(int pixel, int step_x, int step_y) const {
     next = strongest(pixel, {(heading + 1) % 8, (heading + 7) % 8, (heading + 2) % 8, (heading + 6) % 8}, 4);
   }
   // At corners the direction of single pixels says little: straight on then.
-  return next >= 0 ? next : strongest(pixel, {heading, (heading + 1) % 8, (heading + 7) % 8, 0}, 3);
+  return next != kNone ? next : strongest(pixel, {heading, (heading + 1) % 8, (heading + 7) % 8, 0}, 3);
 }
 
-/// The strongest of the neighbours that may be entered, the first of equals; -1 if there is none.
+/// The strongest of the neighbours that may be entered, the first of equals; kNone if there is none, kLeaves
+/// if an even stronger one lies in the margin: the edge leaves the picture there, and must not be followed
+/// along the margin.
 int Walker::strongest(int pixel, const int (&directions)[4], int count) const {
-  int best = -1;
+  int best = kNone;
   float most = 0;
   for (int k = 0; k < count; ++k) {
     const int other = map_.neighbour(pixel, directions[k]);
-    if (!enterable(other)) continue;
-    const float magnitude = field_.magnitude[at(other)];
-    if (magnitude > most && same_edge(pixel, other)) {
-      best = other;
+    const std::size_t i = at(other);
+    const float magnitude = field_.magnitude[i];
+    const std::int32_t mark = marks_[std::size_t(other)];
+    const bool open = mark != kClosed && mark < stamp_ && magnitude >= threshold_;
+    if (open && magnitude > most && same_edge(pixel, other)) {
+      best = in_margin(other) ? kLeaves : other;
       most = magnitude;
     }
   }
   return best;
 }
 
-bool Walker::enterable(int pixel) const {
+bool Walker::in_margin(int pixel) const {
   const int x = map_.x(pixel);
   const int y = map_.y(pixel);
-  const bool inside =
-      x >= kMargin && y >= kMargin && x < map_.width() - kMargin && y < map_.height() - kMargin;
-  if (!inside) return false;
-  const std::int32_t mark = marks_[std::size_t(pixel)];
-  return mark != kClosed && mark < stamp_ && field_.magnitude[field_.at(x, y)] >= threshold_;
+  return x < kMargin || y < kMargin || x >= map_.width() - kMargin || y >= map_.height() - kMargin;
 }
 
 /// Gradients of one and the same channel point to the same side: the two sides of a thin line do not.
