@@ -58,7 +58,7 @@ class Drawing {
       if (given_up_[std::size_t(anchor)]) continue;
       for (const std::vector<int>& part : hard_parts(walker_.walk(anchor))) place(part);
     }
-    prune(map_, worth_);
+    drop_spurs(map_, worth_);
     // By now there are chains where there was nothing to join when a walk ended, and stubs are gone. Gaps are
     // closed last: a contour that closes on itself must not reach out for others before.
     for (const auto& [tip, inner] : tips_) {

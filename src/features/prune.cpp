@@ -62,9 +62,15 @@ std::vector<int> erase(LinkMap& map, const Stretch& stretch) {
   return {first, straighten(map, stretch.pixels.back())};
 }
 
+/// Also what was joined to it and is not worth enough without: a loop that hung on it, say, is a closed chain
+/// now.
+void erase_all(LinkMap& map, const Stretch& stretch, const Worth& worth) {
+  for (const int rest : erase(map, stretch)) drop_if_worthless(map, rest, worth);
+}
+
 /// Removing chains can, in principle, leave neighbours without the node that excused them: the shorter chain
 /// goes.
-bool drop_unsound(LinkMap& map, int i) {
+bool drop_unsound(LinkMap& map, int i, const Worth& worth) {
   if (map.sound(i)) return false;
   const Stretch* worst = nullptr;
   std::vector<Stretch> stretches;
@@ -79,7 +85,7 @@ bool drop_unsound(LinkMap& map, int i) {
   for (const Stretch& s : stretches) {
     if (worst == nullptr || s.pixels.size() < worst->pixels.size()) worst = &s;
   }
-  erase(map, *worst);
+  erase_all(map, *worst, worth);
   return true;
 }
 
@@ -109,11 +115,11 @@ bool drop_if_worthless(LinkMap& map, int i, const Worth& worth) {
   if (!map.drawn(i) || map.node(i)) return false;
   const Stretch stretch = stretch_through(map, i);
   if (worth.enough(map, stretch)) return false;
-  erase(map, stretch);
+  erase_all(map, stretch, worth);
   return true;
 }
 
-void prune(LinkMap& map, const Worth& worth) {
+void drop_spurs(LinkMap& map, const Worth& worth) {
   bool changed = true;
   while (changed) {
     changed = false;
@@ -121,13 +127,19 @@ void prune(LinkMap& map, const Worth& worth) {
       if (map.degree(i) != 1) continue;
       const Stretch stretch = stretch_from(map, i, first_direction(map, i));
       if (worth.enough(map, stretch)) continue;
-      // A loop that hung on it is a closed chain now, and may be too small for that.
-      for (const int rest : erase(map, stretch)) drop_if_worthless(map, rest, worth);
+      erase_all(map, stretch, worth);
       changed = true;
     }
-    if (changed) continue;
+  }
+}
+
+void prune(LinkMap& map, const Worth& worth) {
+  bool changed = true;
+  while (changed) {
+    changed = false;
+    drop_spurs(map, worth);
     for (int i = 0; i < map.size(); ++i) {
-      if (map.drawn(i) && drop_unsound(map, i)) changed = true;
+      if (map.drawn(i) && drop_unsound(map, i, worth)) changed = true;
     }
   }
 }

@@ -31,8 +31,11 @@ struct Worth {
 /// removed
 bool drop_if_worthless(LinkMap& map, int i, const Worth& worth);
 
-/// The same for all chains, until there is none left to drop. A junction that loses an arm makes its other
-/// two one chain.
+/// The same for all chains with a free end, until there is none left to drop. A junction that loses an arm
+/// makes its other two one chain.
+void drop_spurs(LinkMap& map, const Worth& worth);
+
+/// The same, and makes sure that what is left is sound.
 void prune(LinkMap& map, const Worth& worth);
 
 }  // namespace knotreel::features
