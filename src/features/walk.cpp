@@ -120,15 +120,11 @@ bool Walker::in_margin(int pixel) const {
   return x < kMargin || y < kMargin || x >= map_.width() - kMargin || y >= map_.height() - kMargin;
 }
 
-/// Gradients of one and the same channel point to the same side: the two sides of a thin line do not.
-/// Neighbours may differ in their strongest channel, where one rises as the other falls.
+/// Gradients point to the same side: those of the two sides of a thin line do not. Both are taken of one
+/// channel, because neighbours may differ in their strongest one, where one channel rises as another falls.
 bool Walker::same_edge(int a, int b) const {
-  const std::size_t i = at(a);
-  const std::size_t j = at(b);
-  const int c = field_.channel[i];
-  if (dot(field_.inner_gradient(i, c), field_.inner_gradient(j, c)) > 0) return true;
-  const int other = field_.channel[j];
-  return other != c && dot(field_.inner_gradient(i, other), field_.inner_gradient(j, other)) > 0;
+  const int c = field_.channel[at(a)];
+  return dot(field_.inner_gradient(at(a), c), field_.inner_gradient(at(b), c)) > 0;
 }
 
 /// Some pixel around is on the path, other than its end.

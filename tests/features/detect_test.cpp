@@ -82,6 +82,33 @@ TEST(Detect, WhatIsInvisibleHasNoEdges) {
   image::Image image = test::random_8bit_picture(40, 40, 4, 1);
   for (std::size_t i = 3; i < image.samples.size(); i += 4) image.samples[i] = 0;
   EXPECT_TRUE(detect_features(image).chains.empty());
+  // Nor does it move those of what is visible.
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 20; x < 40; ++x) {
+      image.at(x, y, 0) = 230;
+      image.at(x, y, 1) = image.at(x, y, 2) = 60;
+      image.at(x, y, 3) = 225;
+    }
+  }
+  const FeatureChains chains = detect_features(image);
+  ASSERT_EQ(chains.chains.size(), 1U);
+  for (const ChainPoint& p : chains.chains[0].points) EXPECT_EQ(p.position.x, 20);
+}
+
+TEST(Detect, ColoursCountByTheirAlphaInTheirPlacesToo) {
+  // Alpha changes little, but with it a colour that is strong on one side and hidden on the other.
+  image::Image image = test::random_8bit_picture(40, 40, 4, 2);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 40; ++x) {
+      image.at(x, y, 3) = x < 20 ? 0 : 100;
+      for (int c = 0; c < 3; ++c) {
+        if (x >= 20) image.at(x, y, c) = 255;
+      }
+    }
+  }
+  const FeatureChains chains = detect_features(image);
+  ASSERT_EQ(chains.chains.size(), 1U);
+  for (const ChainPoint& p : chains.chains[0].points) EXPECT_EQ(p.position.x, 20);
 }
 
 TEST(Detect, TheTwoSidesOfAThinLineAreItsWidthApart) {
@@ -109,7 +136,11 @@ TEST(Detect, AntialiasedStraightEdgesAreFoundAtAnyAngle) {
         detect_features(draw(64, 64, [&](double x, double y) { return distance(x, y) < 0 ? 40.0 : 210.0; }));
     ASSERT_EQ(chains.chains.size(), 1U) << angle;
     EXPECT_TRUE(chains.chains[0].first_on_border && chains.chains[0].last_on_border) << angle;
-    for (const ChainPoint& p : chains.chains[0].points) {
+    const auto& points = chains.chains[0].points;
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      EXPECT_GT(norm(points[i].position - points[i - 1].position), 0.6) << "points do not crowd, " << angle;
+    }
+    for (const ChainPoint& p : points) {
       const bool inside = p.x > 2 && p.y > 2 && p.x < 61 && p.y < 61;
       if (inside) {
         EXPECT_LT(std::abs(distance(p.position.x, p.position.y)), 0.12) << angle;
@@ -195,6 +226,31 @@ TEST(Detect, SoftEdgesAreLeftToTheSpline) {
   DetectOptions wide;
   wide.max_blur = 6;
   EXPECT_EQ(detect_features(ramp(5), wide).chains.size(), 1U);
+}
+
+TEST(Detect, SoftnessIsMeasuredAcrossTheEdge) {
+  const auto image = draw(64, 64, [](double x, double y) {
+    return 40 + 180 * std::clamp((x + y - 70.3) / std::sqrt(2) / 2.6 + 0.5, 0.0, 1.0);
+  });
+  EXPECT_EQ(detect_features(image).chains.size(), 1U) << "2.6 px wide, but 3.7 px along rows and columns";
+}
+
+TEST(Detect, FramesAreTwoClosedCurves) {
+  for (const double stroke : {3.0, 3.5, 4.0, 5.0, 6.5}) {
+    for (const double turn : {0.0, 0.2, 0.5}) {
+      for (const double inner : {3.0, 5.0, 8.0}) {
+        const auto image = draw(60, 60, [=](double x, double y) {
+          const double u = std::cos(turn) * (x - 30.2) + std::sin(turn) * (y - 29.6);
+          const double v = std::cos(turn) * (y - 29.6) - std::sin(turn) * (x - 30.2);
+          const double r = std::max(std::abs(u), std::abs(v));
+          return r > inner && r < inner + stroke ? 240.0 : 20.0;
+        });
+        const FeatureChains chains = detect_features(image);
+        EXPECT_EQ(chains.chains.size(), 2U) << stroke << " " << turn << " " << inner;
+        for (const Chain& chain : chains.chains) EXPECT_TRUE(chain.closed);
+      }
+    }
+  }
 }
 
 TEST(Detect, OnlyTheHardPartOfAnEdgeIsAFeature) {

@@ -83,6 +83,18 @@ TEST(Profile, AntialiasedStepsAreExact) {
   }
 }
 
+TEST(Profile, BlurredStepsAreExactOnAndBetweenPixels) {
+  for (const double sigma : {0.7, 1.1, 1.5}) {
+    for (const double place : {6.5, 7.0}) {
+      std::vector<float> row;
+      for (int x = 0; x < 14; ++x) row.push_back(float(100 + 50 * std::erf((x + 0.5 - place) / sigma)));
+      const image::Image image = rows_of(row);
+      const GradientField field = make_gradient_field(image, {});
+      EXPECT_NEAR(refine_position(field, 6, 3).x, place, 1e-4) << sigma;
+    }
+  }
+}
+
 TEST(Profile, AFlatRampHasItsEdgeInTheMiddle) {
   const image::Image image = rows_of({10, 10, 10, 10, 10, 40, 70, 100, 130, 130, 130, 130, 130});
   const GradientField field = make_gradient_field(image, {});

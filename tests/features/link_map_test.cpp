@@ -4,6 +4,8 @@
 
 #include "features/join.h"
 #include "features/prune.h"
+#include "features/walk.h"
+#include "support/pictures.h"
 
 namespace knotreel::features {
 namespace {
@@ -62,7 +64,7 @@ TEST(LinkMap, ArmsMayTouchWithinTwoStepsOfTheirNode) {
 TEST(LinkMap, DiagonalStepsMustNotCross) {
   // Near a node, or else they would be unsound as neighbours already.
   LinkMap map(20, 20);
-  map.link_all(path(map, {{5, 5}, {6, 6}, {7, 7}}));
+  map.link_all(path(map, {{3, 4}, {4, 4}, {5, 5}, {6, 6}, {7, 7}}));
   map.link_all(path(map, {{5, 5}, {6, 5}, {5, 6}, {4, 7}}));
   EXPECT_FALSE(map.sound(map.index(5, 5)));
 }
@@ -122,6 +124,53 @@ TEST(Join, ContoursCloseAndLoseTheirOverlap) {
   map.link_all(loop);
   EXPECT_TRUE(join_tip(map, map.index(8, 10), Join::kGaps));
   for (int i = 0; i < map.size(); ++i) EXPECT_TRUE(!map.drawn(i) || map.degree(i) == 2);
+}
+
+TEST(Join, NothingIsJoinedToTheMiddleOfAStub) {
+  LinkMap map(40, 30);
+  map.link_all(row(map, 15, 5, 20));
+  map.link_all(path(map, {{22, 13}, {22, 14}, {22, 15}, {22, 16}, {22, 17}}));
+  join_tip(map, map.index(20, 15), Join::kGaps);
+  EXPECT_LE(map.degree(map.index(22, 15)), 2);
+  for (int i = 0; i < map.size(); ++i) EXPECT_LE(map.degree(i), 2);
+}
+
+TEST(Prune, ArmsThatAreLeftBecomeOneCleanChain) {
+  LinkMap map(40, 40);
+  map.link_all(row(map, 20, 5, 20));
+  std::vector<int> column;
+  for (int y = 14; y < 38; ++y) column.push_back(map.index(20, y));
+  map.link_all(column);
+  const image::Image image = image::make_image(40, 40, 1);
+  const GradientField field = make_gradient_field(image, {});
+  prune(map, Worth{field, 10, 0});
+  EXPECT_FALSE(map.drawn(map.index(20, 15))) << "the short arm";
+  EXPECT_FALSE(map.drawn(map.index(20, 20))) << "the corner that is not needed any more";
+  EXPECT_EQ(stretch_from(map, map.index(5, 20), 0).pixels.size(), 15U + 17U);
+  for (int i = 0; i < map.size(); ++i) EXPECT_TRUE(!map.drawn(i) || map.sound(i));
+}
+
+TEST(Walk, KeepsToOneEdge) {
+  for (unsigned seed = 0; seed < 5; ++seed) {
+    const image::Image image = test::random_picture(80, 80, 1, seed);
+    const GradientField field = make_gradient_field(image, {});
+    LinkMap map(80, 80);
+    Walker walker(field, map, 1);
+    std::size_t steps = 0;
+    std::size_t turned = 0;
+    for (int y = 2; y < 78; y += 5) {
+      for (int x = 2; x < 78; x += 5) {
+        const std::vector<int> pixels = walker.walk(map.index(x, y));
+        for (std::size_t i = 1; i < pixels.size(); ++i) {
+          const auto gradient = [&](int p) { return field.gradient(map.x(p), map.y(p)); };
+          turned += dot(gradient(pixels[i]), gradient(pixels[i - 1])) <= 0 ? 1 : 0;
+          ++steps;
+        }
+      }
+    }
+    EXPECT_GT(steps, 1000U);
+    EXPECT_LT(double(turned), 0.03 * double(steps)) << "but where a corner pixel was left out";
+  }
 }
 
 TEST(Join, ChainsRunOnToTheSideTheyHeadFor) {
