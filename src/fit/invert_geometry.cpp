@@ -12,8 +12,8 @@ using spline::Basis;
 using spline::BasisJet;
 
 constexpr double kTolerance = 1e-3;  // pixels
-// A fixed point step from closer than this ends within a hundredth of a pixel, since the displacement changes by
-// less than a fifth of a pixel per pixel nearly everywhere.
+// A fixed point step from closer than this ends within a hundredth of a pixel, since the displacement changes
+// by less than a fifth of a pixel per pixel nearly everywhere.
 constexpr double kOneStep = 0.05;
 constexpr int kMaxSteps = 8;
 constexpr double kTraceStep = 0.2;  // pixels, along features
@@ -118,8 +118,8 @@ PixelPlaces invert_geometry(const PixelValues& values, std::span<const Vec2> dis
         continue;
       }
       const Vec2 miss = centre - (at + offset);
-      result.places[i] =
-          norm(miss) < kTolerance ? at : geometry.place_of(centre, geometry.clamped(at + miss), jets);
+      const Vec2 next = geometry.clamped(at + miss);
+      result.places[i] = norm(miss) < kOneStep ? next : geometry.place_of(centre, next, jets);
     }
   });
   const auto& mesh = values.basis().space().mesh();
