@@ -68,7 +68,7 @@ class Run {
     max_functions_ =
         options.max_control_points > 0
             ? options.max_control_points
-            : std::max<std::size_t>(16, static_cast<std::size_t>(0.025 * double(picture.pixel_count())));
+            : std::max<std::size_t>(256, static_cast<std::size_t>(0.027 * double(picture.pixel_count())));
   }
 
   Vectorization run() {
