@@ -33,8 +33,10 @@ struct Options {
   bool fairing = true;
   bool colour_correction = true;
   bool picture_links = true;  ///< link triangulations chosen by the picture
-  /// Stronger edges only than the detector's own default: weaker ones cost more control points than they gain.
-  features::DetectOptions detect{.edge_threshold = 12, .anchor_threshold = 40, .min_weight = 1200};
+  /// Stronger edges only than the detector's own default: weaker ones cost more control points than they
+  /// gain.
+  features::DetectOptions detect{
+      .edge_threshold = 12, .anchor_threshold = 40, .min_length = 10, .min_weight = 1200};
   features::FairOptions fair{};
   features::CorrectionOptions correction{};
   param::ParametrizeOptions parametrize{};
