@@ -15,10 +15,13 @@ Json finite(double value) {
 }  // namespace
 
 void StageTimer::finish(const std::string& stage) {
-  const auto now = Clock::now();
-  seconds_[stage] = std::chrono::duration<double>(now - start_).count() - elsewhere_;
-  start_ = now;
+  seconds_[stage] = running() - elsewhere_;
+  start_ = Clock::now();
   elsewhere_ = 0;
+}
+
+double StageTimer::running() const {
+  return std::chrono::duration<double>(Clock::now() - start_).count();
 }
 
 void StageTimer::attribute(const std::string& stage, double seconds) {

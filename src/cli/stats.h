@@ -14,6 +14,8 @@ class StageTimer {
  public:
   /// The time since the last stage was that of this one.
   void finish(const std::string& stage);
+  /// Seconds since the last stage.
+  double running() const;
   /// Takes so much from the stage that is running and gives it to another.
   void attribute(const std::string& stage, double seconds);
   /// All stages and, last, their total.

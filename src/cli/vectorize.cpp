@@ -51,20 +51,52 @@ Stored encode(const image::Image& image, const document::FrameModel& model) {
   return {std::move(bytes).str(), std::move(stored)};
 }
 
-/// The way from picture to model, watched.
-vectorize::Vectorization run(const image::Image& image, const vectorize::Options& options,
-                             debug::DebugPictures* pictures, StageTimer& timer) {
+/// Debug pictures, if any are wanted, on a clock of their own.
+class Watcher {
+ public:
+  Watcher(const std::string& folder, StageTimer& timer) : timer_(timer) {
+    if (!folder.empty()) pictures_.emplace(folder);
+  }
+
+  void see(const vectorize::Progress& progress) {
+    draw([&] { pictures_->write(progress); });
+  }
+  void see_stored(const image::Image& image, const document::FrameModel& model) {
+    draw([&] { pictures_->write_control_net(image, model); });
+  }
+
+ private:
+  template <class Draw>
+  void draw(Draw&& draw) {
+    if (!pictures_) return;
+    StageTimer drawing;
+    draw();
+    timer_.attribute("debug", drawing.running());
+  }
+
+  std::optional<debug::DebugPictures> pictures_;
+  StageTimer& timer_;
+};
+
+vectorize::Vectorization run(const image::Image& image, const vectorize::Options& options, Watcher& watcher) {
   ProgressLine line;
   return vectorize::vectorize_picture(image, options, [&](const vectorize::Progress& progress) {
     check_interrupted();
     line.show(progress.stage);
-    if (pictures == nullptr) return;
-    StageTimer drawing;
-    pictures->write(progress);
-    drawing.finish("debug");
-    timer.attribute("debug", drawing.seconds()["debug"]);
+    watcher.see(progress);
     check_interrupted();
   });
+}
+
+/// Better to fail now than after the work.
+void probe_outputs(const Arguments& arguments) {
+  if (arguments.output == "-" && arguments.stats == "-") {
+    throw Error(ErrorKind::kInvalidArgument, "--output and --stats cannot both be standard output");
+  }
+  { const OutputFile probe(arguments.output); }
+  if (!arguments.stats.empty()) {
+    const OutputFile probe(arguments.stats);
+  }
 }
 
 /// All that docs/stats.md promises.
@@ -98,12 +130,11 @@ void vectorize(const Arguments& arguments) {
   StageTimer timer;
   const image::Image image = image::read_image(arguments.input);
   const vectorize::Options options = effective_options(arguments.options, image.pixel_count());
-  { const OutputFile probe(arguments.output); }  // better to fail now than after the work
-  std::optional<debug::DebugPictures> pictures;
-  if (!arguments.debug_dir.empty()) pictures.emplace(arguments.debug_dir);
+  probe_outputs(arguments);
+  Watcher watcher(arguments.debug_dir, timer);
   timer.finish("decode");
 
-  const vectorize::Vectorization made = run(image, options, pictures ? &*pictures : nullptr, timer);
+  const vectorize::Vectorization made = run(image, options, watcher);
   check_interrupted();
   timer.finish("vectorize");
 
@@ -115,12 +146,7 @@ void vectorize(const Arguments& arguments) {
 
   const image::ImageMetrics metrics = image::compare_images(image, render_whole(document.model, {}));
   timer.finish("measure");
-  if (pictures) {
-    StageTimer drawing;
-    pictures->write_control_net(image, document.model);
-    drawing.finish("debug");
-    timer.attribute("debug", drawing.seconds()["debug"]);
-  }
+  watcher.see_stored(image, document.model);
 
   if (!arguments.stats.empty()) {
     auto stats = stats_json(arguments, image, options, made.report, document, metrics);

@@ -2,7 +2,7 @@
 
 #include <fmt/core.h>
 
-#include <cmath>
+#include <algorithm>
 #include <limits>
 #include <map>
 
@@ -41,9 +41,9 @@ void add_effort(CLI::App& command, VectorizeOptions& options) {
       ->capture_default_str();
   command
       .add_option("--max-control-points", options.max_control_points,
-                  "Upper bound: a number, or a share of the pixels above 0%, at most 100%")
-      ->type_name("N|P%")
-      ->capture_default_str();
+                  "Upper bound: a number, or a share of the pixels above 0%, at most 100%\n"
+                  "(default 2.7%, but for small pictures 256)")
+      ->type_name("N|P%");
   add_number(command, "--mec", options.mec, "L", 0, 442,
              "Good enough: mean colour error per pixel, in levels of 0..255\n(0 to 442, default 2)");
   add_number(command, "--meg", options.meg, "PX", 0, 1000,
@@ -88,6 +88,12 @@ void add_surface(CLI::App& command, VectorizeOptions& options) {
       ->capture_default_str();
 }
 
+std::size_t bound(const VectorizeOptions& given, std::uint64_t pixels) {
+  if (given.max_control_points) return parse_count("--max-control-points", *given.max_control_points, pixels);
+  // So few cost hardly a kilobyte, and without them icons would be blots.
+  return std::max<std::size_t>(256, parse_count("", "2.7%", pixels));
+}
+
 template <typename Value>
 void replace(Value& value, const std::optional<Value>& given) {
   if (given) value = *given;
@@ -107,7 +113,7 @@ void add_vectorize_options(CLI::App& command, VectorizeOptions& options) {
 
 vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_t pixels) {
   vectorize::Options options = vectorize::preset_options(kPresets.at(given.preset));
-  options.max_control_points = parse_count("--max-control-points", given.max_control_points, pixels);
+  options.max_control_points = bound(given, pixels);
   replace(options.mec, given.mec);
   replace(options.meg, given.meg);
   replace(options.rounds, given.rounds);

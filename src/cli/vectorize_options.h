@@ -15,7 +15,7 @@ namespace knotreel::cli {
 /// replaces its values.
 struct VectorizeOptions {
   std::string preset = "balanced";
-  std::string max_control_points = "2.7%";
+  std::optional<std::string> max_control_points;
   std::optional<double> mec;
   std::optional<double> meg;
   std::optional<int> rounds;

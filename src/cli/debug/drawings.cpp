@@ -168,7 +168,7 @@ Canvas draw_parametrization(const image::Image& picture, const param::Parametriz
 }
 
 Canvas draw_mesh(const image::Image& picture, const mesh::KnotMesh& mesh) {
-  Canvas canvas = enlarged(picture, 0.5);
+  Canvas canvas = enlarged(picture, 0.6, 0.8);
   const std::vector<Vec2> places = positions(mesh);
   draw_knots_and_edges(canvas, mesh, places, [&](const Edge& e, double width, Colour colour) {
     canvas.line(places[e.first], places[e.second], width, colour);
@@ -181,7 +181,7 @@ Canvas draw_mapped_mesh(const image::Image& picture, const document::FrameModel&
   const bool moved =
       std::any_of(model.displacement.begin(), model.displacement.end(), [](Vec2 d) { return d != Vec2{}; });
   if (!moved) return draw_mesh(picture, mesh);
-  Canvas canvas = enlarged(picture, 0.5);
+  Canvas canvas = enlarged(picture, 0.6, 0.8);
   const Geometry geometry(model);
   std::vector<Vec2> places = positions(mesh);
   geometry.move(places);

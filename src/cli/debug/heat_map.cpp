@@ -8,7 +8,7 @@
 namespace knotreel::cli::debug {
 namespace {
 
-constexpr double kMostLevels = 32;
+constexpr double kMostLevels = 64;
 constexpr Colour kPaper{24, 24, 28};
 constexpr Colour kInk{225, 225, 225};
 
@@ -50,7 +50,7 @@ void draw_legend(Canvas& canvas, int top) {
     const double share = (x + 0.5) / length;
     canvas.box(kMargin + x, top + 8, 1, 16, heat(share * share * kMostLevels));
   }
-  for (const int levels : {0, 1, 2, 4, 8, 16, 32}) {
+  for (const int levels : {0, 1, 2, 4, 8, 16, 32, 64}) {
     const std::string text = std::to_string(levels);
     canvas.box(column(levels), top + 24, 1, 5, kInk);
     canvas.number(column(levels) - 5 * static_cast<int>(text.size()), top + 31, text, 2, kInk);
