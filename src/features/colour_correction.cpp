@@ -110,15 +110,21 @@ image::Image correct_colours(const image::Image& image, const FeatureChains& cha
   }
   image::Image result = image;
   const Surroundings around(chains);
+  const auto beside = [&](int i) { return around.place(i) != Place::kClean; };
   Rings rings;
   for (const int pixel : around.beside()) {
     find_rings(around, pixel, rings);
-    const auto clean = [&](int i) { return around.place(i) == Place::kClean; };
-    if (!std::any_of(rings.two.begin(), rings.two.end(), clean)) continue;
+    if (std::all_of(rings.two.begin(), rings.two.end(), beside)) continue;
+    if (options.clean_only) {
+      std::erase_if(rings.one, beside);
+      std::erase_if(rings.two, beside);
+    }
+    const double one_ring = rings.one.empty() ? 0 : options.one_ring;
     for (int c = 0; c < image.channels; ++c) {
       const auto sample = std::size_t(pixel) * std::size_t(image.channels) + std::size_t(c);
-      result.samples[sample] =
-          float(options.one_ring * mean(image, rings.one, c) + options.two_ring * mean(image, rings.two, c));
+      double value = (1 - one_ring) * mean(image, rings.two, c);
+      if (one_ring > 0) value += one_ring * mean(image, rings.one, c);
+      result.samples[sample] = float(value);
     }
   }
   return result;

@@ -6,7 +6,6 @@
 #include "features/draw.h"
 #include "features/extract.h"
 #include "features/gradient.h"
-#include "features/prune.h"
 #include "knotreel/base/error.h"
 
 namespace knotreel::features {
@@ -27,6 +26,8 @@ void check(const image::Image& image, const DetectOptions& options) {
           "the anchor threshold must not be negative");
   require(options.min_length >= 0 && std::isfinite(options.min_length),
           "the least length must not be negative");
+  require(options.min_weight >= 0 && std::isfinite(options.min_weight),
+          "the least weight must not be negative");
   require(options.max_blur >= 0 && std::isfinite(options.max_blur), "the largest blur must not be negative");
 }
 
@@ -35,9 +36,7 @@ void check(const image::Image& image, const DetectOptions& options) {
 FeatureChains detect_features(const image::Image& image, const DetectOptions& options) {
   check(image, options);
   const GradientField field = make_gradient_field(image, options);
-  LinkMap map = draw_edges(field, options);
-  prune(map, options.min_length);
-  return extract_chains(map, field);
+  return extract_chains(draw_edges(field, options), field);
 }
 
 }  // namespace knotreel::features

@@ -24,7 +24,7 @@ std::vector<std::pair<int, int>> find_anchors(const GradientField& field, double
     for (std::size_t i = begin + 1; i + 1 < begin + std::size_t(field.width); ++i) {
       const float m = field.magnitude[i];
       if (m < least) continue;
-      const std::size_t across = field.vertical(i) ? 1 : std::size_t(field.width);
+      const std::size_t across = is_vertical(field.inner_gradient(i)) ? 1 : std::size_t(field.width);
       if (m <= field.magnitude[i - across] || m < field.magnitude[i + across]) continue;
       // Positive floats are ordered like their bits; turned over for the strongest first.
       found[row].push_back({~std::bit_cast<std::uint32_t>(m), std::uint32_t(i)});
@@ -44,9 +44,10 @@ std::vector<std::pair<int, int>> find_anchors(const GradientField& field, double
 /// Draws the walks that are hard and long enough.
 class Drawing {
  public:
-  Drawing(const GradientField& field, const DetectOptions& options)
+  Drawing(const GradientField& field, const DetectOptions& options, const Worth& worth)
       : field_(field),
         options_(options),
+        worth_(worth),
         map_(field.width, field.height),
         walker_(field, map_, options.edge_threshold),
         given_up_(std::size_t(map_.size()), 0) {}
@@ -57,8 +58,13 @@ class Drawing {
       if (given_up_[std::size_t(anchor)]) continue;
       for (const std::vector<int>& part : hard_parts(walker_.walk(anchor))) place(part);
     }
-    // By now there may be chains where there was nothing to join when a walk ended.
-    for (const int tip : tips_) join_tip(map_, tip);
+    drop_spurs(map_, worth_);
+    // By now there are chains where there was nothing to join when a walk ended, and stubs are gone. Gaps are
+    // closed last: a contour that closes on itself must not reach out for others before.
+    for (const auto& [tip, inner] : tips_) {
+      if (join_tip(map_, tip, Join::kGaps)) drop_if_worthless(map_, inner, worth_);
+    }
+    prune(map_, worth_);
     return std::move(map_);
   }
 
@@ -71,10 +77,12 @@ class Drawing {
 
   const GradientField& field_;
   const DetectOptions& options_;
+  const Worth& worth_;
   LinkMap map_;
   Walker walker_;
   std::vector<std::uint8_t> given_up_;  // of each pixel: no walk starts there
-  std::vector<int> tips_;               // ends of what was placed, in that order
+  /// Ends of what was placed, in that order, each with a pixel from the middle of the path.
+  std::vector<std::pair<int, int>> tips_;
 };
 
 /// The parts of a path that are no softer than max_blur, by the mean over a few pixels: single ones are
@@ -113,21 +121,22 @@ void Drawing::place(const std::vector<int>& path) {
   map_.link_all(path);
   const int ends[2] = {path.front(), path.back()};
   bool joined[2];
-  for (int e = 0; e < 2; ++e) joined[e] = join_tip(map_, ends[e]);
+  for (int e = 0; e < 2; ++e) joined[e] = join_tip(map_, ends[e], Join::kContacts);
   for (int e = 0; e < 2; ++e) {
     if (!joined[e]) extend_to_side(map_, ends[e]);
   }
   // Weak chains are drawn late; what is dropped at once does not stand in their way.
-  if (drop_if_short(map_, path[path.size() / 2], options_.min_length)) return give_up(path);
+  if (drop_if_worthless(map_, path[path.size() / 2], worth_)) return give_up(path);
   for (int e = 0; e < 2; ++e) {
-    if (!joined[e]) tips_.push_back(ends[e]);
+    if (!joined[e]) tips_.emplace_back(ends[e], path[path.size() / 2]);
   }
 }
 
 }  // namespace
 
 LinkMap draw_edges(const GradientField& field, const DetectOptions& options) {
-  return Drawing(field, options).run();
+  const Worth worth{field, options.min_length, options.min_weight};
+  return Drawing(field, options, worth).run();
 }
 
 }  // namespace knotreel::features

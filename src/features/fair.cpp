@@ -23,17 +23,21 @@ Vec2 mean_of_neighbours(const Chain& chain, const std::vector<Vec2>& p, std::siz
   return 0.25 * (p[i - 2] + p[i - 1] + p[i + 1] + p[i + 2]);
 }
 
-void smooth(Chain& chain, const FairOptions& options) {
-  std::vector<Vec2> old(chain.points.size());
+/// One step of Eq. 5; back again, and a little further, for negative lambda.
+void step(Chain& chain, double lambda, std::vector<Vec2>& old) {
+  old.resize(chain.points.size());
   const std::size_t fixed = chain.closed ? 0 : 1;
-  for (int round = 0; round < options.iterations; ++round) {
-    for (std::size_t i = 0; i < old.size(); ++i) old[i] = chain.points[i].position;
-    for (std::size_t i = fixed; i + fixed < old.size(); ++i) {
-      ChainPoint& p = chain.points[i];
-      const Vec2 mean = mean_of_neighbours(chain, old, i);
-      p.position = clamped(p, (1 - options.lambda) * old[i] + options.lambda * mean);
-    }
+  for (std::size_t i = 0; i < old.size(); ++i) old[i] = chain.points[i].position;
+  for (std::size_t i = fixed; i + fixed < old.size(); ++i) {
+    ChainPoint& p = chain.points[i];
+    p.position = clamped(p, (1 - lambda) * old[i] + lambda * mean_of_neighbours(chain, old, i));
   }
+}
+
+/// Taubin's rule for the step back: waves longer than about 20 points keep their amplitude.
+double step_back(double lambda) {
+  constexpr double kPassBand = 0.1;
+  return -lambda / (1 - kPassBand * lambda);
 }
 
 }  // namespace
@@ -46,7 +50,13 @@ void fair_chains(FeatureChains& chains, const FairOptions& options) {
     throw Error(ErrorKind::kInvalidArgument, "the iterations of the fairing must not be negative");
   }
   const Positions before = positions_of(chains);
-  for (Chain& chain : chains.chains) smooth(chain, options);
+  std::vector<Vec2> scratch;
+  for (Chain& chain : chains.chains) {
+    for (int round = 0; round < options.iterations; ++round) {
+      step(chain, options.lambda, scratch);
+      if (options.keep_size) step(chain, step_back(options.lambda), scratch);
+    }
+  }
   untangle(chains, before);
 }
 

@@ -36,8 +36,8 @@ void take_channel(const image::Image& image, int y, int c, float* out) {
 }
 
 // Opposite neighbours are added first, so that a mirrored picture has mirrored sums to the last bit.
-KNOTREEL_MULTIVERSION void smooth_along(const float* padded, std::size_t width, const float* weights,
-                                        std::size_t radius, float* out) {
+KNOTREEL_MULTIVERSION void smooth_along(const float* __restrict padded, std::size_t width,
+                                        const float* weights, std::size_t radius, float* __restrict out) {
   for (std::size_t x = 0; x < width; ++x) out[x] = weights[0] * padded[x + radius];
   for (std::size_t k = 1; k <= radius; ++k) {
     for (std::size_t x = 0; x < width; ++x) {
@@ -47,32 +47,31 @@ KNOTREEL_MULTIVERSION void smooth_along(const float* padded, std::size_t width, 
 }
 
 KNOTREEL_MULTIVERSION void add_pair(const float* above, const float* below, std::size_t width, float weight,
-                                    float* out) {
+                                    float* __restrict out) {
   for (std::size_t x = 0; x < width; ++x) out[x] += weight * (above[x] + below[x]);
 }
 
-/// Gradients of one channel in one row. `left` is the row moved by one, `right` likewise; the strongest
-/// channel so far is in gx, gy, magnitude and channel.
-KNOTREEL_MULTIVERSION void keep_strongest(const float* left, const float* right, const float* above,
-                                          const float* below, std::size_t width, std::uint8_t c,
-                                          bool euclidean, float* gx, float* gy, float* magnitude,
-                                          std::uint8_t* channel) {
+/// Magnitudes of one channel in one row; `left` is the row moved by one, `right` likewise. Keeps the
+/// strongest channel so far.
+KNOTREEL_MULTIVERSION void keep_strongest(const float* __restrict left, const float* __restrict right,
+                                          const float* __restrict above, const float* __restrict below,
+                                          std::size_t width, std::uint8_t c, bool euclidean,
+                                          float* __restrict magnitude, std::uint8_t* __restrict channel) {
   for (std::size_t x = 0; x < width; ++x) {
     const float dx = 0.5F * (right[x] - left[x]);
     const float dy = 0.5F * (below[x] - above[x]);
     const float ax = dx < 0 ? -dx : dx;
     const float ay = dy < 0 ? -dy : dy;
-    const float m = euclidean ? std::sqrt(dx * dx + dy * dy) : (ax > ay ? ax : ay);
+    const float largest = ax > ay ? ax : ay;
+    const float m = euclidean ? std::sqrt(dx * dx + dy * dy) : largest;
     const bool stronger = c == 0 || m > magnitude[x];
-    gx[x] = stronger ? dx : gx[x];
-    gy[x] = stronger ? dy : gy[x];
     channel[x] = stronger ? c : channel[x];
     magnitude[x] = stronger ? m : magnitude[x];
   }
 }
 
 /// Rows that one task works on: enough that scratch memory and scheduling do not count.
-constexpr int kBand = 32;
+constexpr int kBand = 64;
 
 void for_bands(int height, const std::function<void(int, int)>& body) {
   const int bands = (height + kBand - 1) / kBand;
@@ -84,66 +83,84 @@ void for_bands(int height, const std::function<void(int, int)>& body) {
 
 }  // namespace
 
-GradientField make_gradient_field(const image::Image& image, const DetectOptions& options) {
-  GradientField field{image.width, image.height, image.channels, {}, {}, {}, {}, {}, {}};
-  const std::size_t n = field.pixels();
+Vec2 GradientField::gradient(int x, int y) const {
+  const float* s = plane(channel[at(x, y)]);
+  const double left{s[at(std::max(x - 1, 0), y)]};
+  const double right{s[at(std::min(x + 1, width - 1), y)]};
+  const double above{s[at(x, std::max(y - 1, 0))]};
+  const double below{s[at(x, std::min(y + 1, height - 1))]};
+  return {0.5 * (right - left), 0.5 * (below - above)};
+}
+
+double GradientField::raw(int x, int y, int c) const {
+  const bool weighted = image->has_alpha() && c < image->colour_channels();
+  return weighted ? double{image->at(x, y, c) * (image->at(x, y, image->channels - 1) / 255.0F)}
+                  : double{image->at(x, y, c)};
+}
+
+namespace {
+
+/// Smooths the rows [begin, end) of one channel. The rows around them are smoothed along once more for each
+/// band, which costs less than a picture in between that does not fit into the cache.
+void smooth_band(const image::Image& image, int c, int begin, int end, const std::vector<float>& weights,
+                 float* plane) {
   const auto width = std::size_t(image.width);
-  const auto planes = std::size_t(image.channels);
+  const int radius = int(weights.size()) - 1;
+  const std::size_t margin = weights.size() - 1;
+  const int top = std::max(0, begin - radius);
+  const int bottom = std::min(image.height, end + radius);
+  std::vector<float> padded(width + 2 * margin);
+  std::vector<float> along(std::size_t(bottom - top) * width);
+  for (int y = top; y < bottom; ++y) {
+    float* middle = padded.data() + margin;
+    take_channel(image, y, c, middle);
+    std::fill_n(padded.data(), margin, middle[0]);
+    std::fill_n(middle + width, margin, middle[width - 1]);
+    smooth_along(padded.data(), width, weights.data(), margin, along.data() + std::size_t(y - top) * width);
+  }
+  const auto row = [&](int y) {
+    return along.data() + std::size_t(std::clamp(y, 0, image.height - 1) - top) * width;
+  };
+  for (int y = begin; y < end; ++y) {
+    float* out = plane + std::size_t(y) * width;
+    add_pair(row(y), row(y), width, 0.5F * weights[0], out);
+    for (int k = 1; k <= radius; ++k) add_pair(row(y - k), row(y + k), width, weights[std::size_t(k)], out);
+  }
+}
+
+void measure_rows(GradientField& field, int begin, int end, int channels, bool euclidean) {
+  const auto width = std::size_t(field.width);
+  std::vector<float> padded(width + 2);
+  for (int y = begin; y < end; ++y) {
+    for (int c = 0; c < channels; ++c) {
+      const float* row = field.plane(c) + field.at(0, y);
+      std::copy_n(row, width, padded.begin() + 1);
+      padded.front() = row[0];
+      padded.back() = row[width - 1];
+      const float* above = field.plane(c) + field.at(0, std::max(y - 1, 0));
+      const float* below = field.plane(c) + field.at(0, std::min(y + 1, field.height - 1));
+      keep_strongest(padded.data(), padded.data() + 2, above, below, width, std::uint8_t(c), euclidean,
+                     field.magnitude.data() + field.at(0, y), field.channel.data() + field.at(0, y));
+    }
+  }
+}
+
+}  // namespace
+
+GradientField make_gradient_field(const image::Image& image, const DetectOptions& options) {
+  GradientField field{&image, image.width, image.height, {}, {}, {}};
+  const std::size_t n = field.pixels();
   const std::vector<float> weights = gaussian(options.smoothing);
-  const std::size_t radius = weights.size() - 1;
-  field.raw.resize(planes * n);
-  field.smooth.resize(planes * n);
-  std::vector<float> along(planes * n);
-
+  field.smooth.resize(std::size_t(image.channels) * n);
   for_bands(image.height, [&](int begin, int end) {
-    std::vector<float> padded(width + 2 * radius);
-    for (int y = begin; y < end; ++y) {
-      for (std::size_t c = 0; c < planes; ++c) {
-        float* raw = field.raw.data() + c * n + std::size_t(y) * width;
-        take_channel(image, y, int(c), raw);
-        std::fill_n(padded.begin(), radius, raw[0]);
-        std::copy_n(raw, width, padded.begin() + std::ptrdiff_t(radius));
-        std::fill_n(padded.begin() + std::ptrdiff_t(radius + width), radius, raw[width - 1]);
-        smooth_along(padded.data(), width, weights.data(), radius,
-                     along.data() + c * n + std::size_t(y) * width);
-      }
+    for (int c = 0; c < image.channels; ++c) {
+      smooth_band(image, c, begin, end, weights, field.smooth.data() + std::size_t(c) * n);
     }
   });
-
-  const auto clamped = [&](int y) { return std::size_t(std::clamp(y, 0, image.height - 1)) * width; };
-  for_bands(image.height, [&](int begin, int end) {
-    for (int y = begin; y < end; ++y) {
-      for (std::size_t c = 0; c < planes; ++c) {
-        const float* plane = along.data() + c * n;
-        float* out = field.smooth.data() + c * n + clamped(y);
-        std::fill_n(out, width, 0.0F);
-        add_pair(plane + clamped(y), plane + clamped(y), width, 0.5F * weights[0], out);
-        for (int k = 1; k <= int(radius); ++k) {
-          add_pair(plane + clamped(y - k), plane + clamped(y + k), width, weights[std::size_t(k)], out);
-        }
-      }
-    }
-  });
-
-  field.gx.resize(n);
-  field.gy.resize(n);
   field.magnitude.resize(n);
   field.channel.resize(n);
   for_bands(image.height, [&](int begin, int end) {
-    std::vector<float> padded(width + 2);
-    for (int y = begin; y < end; ++y) {
-      for (std::size_t c = 0; c < planes; ++c) {
-        const float* plane = field.smooth.data() + c * n;
-        const float* row = plane + clamped(y);
-        std::copy_n(row, width, padded.begin() + 1);
-        padded.front() = row[0];
-        padded.back() = row[width - 1];
-        const std::size_t i = clamped(y);
-        keep_strongest(padded.data(), padded.data() + 2, plane + clamped(y - 1), plane + clamped(y + 1),
-                       width, std::uint8_t(c), options.euclidean_magnitude, field.gx.data() + i,
-                       field.gy.data() + i, field.magnitude.data() + i, field.channel.data() + i);
-      }
-    }
+    measure_rows(field, begin, end, image.channels, options.euclidean_magnitude);
   });
   return field;
 }

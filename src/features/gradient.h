@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <vector>
@@ -10,28 +11,36 @@
 
 namespace knotreel::features {
 
-/// Gradients of a picture, one value per pixel in row order; planes of channels one after the other.
+/// Gradients of a picture, one value per pixel in row order; planes of channels one after the other. Refers
+/// to the picture.
 struct GradientField {
+  const image::Image* image = nullptr;
   int width = 0;
   int height = 0;
-  int channels = 0;
-  std::vector<float> raw;     ///< planes; colours times alpha, so that what is invisible has no edges
-  std::vector<float> smooth;  ///< planes
-  std::vector<float> gx;      ///< central differences of the smoothed channel that changes most
-  std::vector<float> gy;
-  std::vector<float> magnitude;
+  std::vector<float> smooth;          ///< planes; colours times alpha: what is invisible has no edges
+  std::vector<float> magnitude;       ///< of the channel that changes most
   std::vector<std::uint8_t> channel;  ///< which one that is; the first of equals
 
   std::size_t pixels() const { return std::size_t(width) * std::size_t(height); }
   std::size_t at(int x, int y) const { return std::size_t(y) * std::size_t(width) + std::size_t(x); }
-  /// The edge runs up and down there.
-  bool vertical(std::size_t i) const { return (gx[i] < 0 ? -gx[i] : gx[i]) > (gy[i] < 0 ? -gy[i] : gy[i]); }
-  /// Gradient of one channel. The pixel must not lie at a side of the picture.
-  Vec2 gradient(std::size_t i, int c) const {
-    const float* s = smooth.data() + std::size_t(c) * pixels() + i;
+  const float* plane(int c) const { return smooth.data() + std::size_t(c) * pixels(); }
+
+  /// Central differences of one channel. The pixel must not lie at a side of the picture.
+  Vec2 inner_gradient(std::size_t i, int c) const {
+    const float* s = plane(c) + i;
     return {0.5 * (double{s[1]} - double{s[-1]}), 0.5 * (double{s[width]} - double{*(s - width)})};
   }
+  Vec2 inner_gradient(std::size_t i) const { return inner_gradient(i, channel[i]); }
+  /// The same for all pixels.
+  Vec2 gradient(int x, int y) const;
+  /// Sample of the picture, colours times alpha.
+  double raw(int x, int y, int c) const;
 };
+
+/// The edge runs up and down.
+inline bool is_vertical(Vec2 gradient) {
+  return std::abs(gradient.x) > std::abs(gradient.y);
+}
 
 /// Beyond the sides the picture goes on with the pixels at the sides.
 GradientField make_gradient_field(const image::Image& image, const DetectOptions& options);

@@ -1,8 +1,8 @@
 #include "features/join.h"
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
+#include <optional>
 #include <tuple>
 
 #include "knotreel/base/vec2.h"
@@ -13,6 +13,10 @@ namespace {
 /// A tip is joined to pixels up to so far away. Walks end two away from what they would touch; the rest is
 /// gaps.
 constexpr int kReach = 4;
+/// Up to here there is no gap. To such pixels a chain may turn by up to 60 degrees, over gaps by 37 only.
+constexpr double kContact = 2.9;
+/// Chains that may meet in a node. More have no room around a pixel.
+constexpr int kMostArms = 4;
 /// The tip may be taken back by so many pixels: the last ones before a junction are often led astray.
 constexpr std::size_t kMaxBack = 3;
 /// The shortest way along chains from a tip to where it may be joined to its own chain.
@@ -54,19 +58,36 @@ struct Bridge {
   int to = 0;
 };
 
-/// Whether a chain may get a junction at q: at a node, or away from all nodes.
-bool may_be_joined(const LinkMap& map, int q, const std::vector<int>& around) {
-  if (map.at_side(q)) return false;
-  if (map.node(q)) return map.degree(q) < 5;
-  return std::none_of(around.begin(), around.end(), [&](int n) { return map.node(n); });
+/// What has to go for a chain to be joined at q: the pixels from a free tip to q, if there is one so near
+/// that it would be left over as a stub (walks around a closed contour overlap). Nothing if no chain may be
+/// joined there.
+std::optional<std::vector<int>> stub_at(const LinkMap& map, int q) {
+  std::vector<int> stub;
+  if (map.node(q)) {
+    if (map.degree(q) >= kMostArms) return std::nullopt;
+    return stub;
+  }
+  for (int d = 0; d < 8; ++d) {
+    if (!map.linked(q, d)) continue;
+    const std::vector<int> arm = map.follow(q, d, kNodeDistance);
+    if (!map.node(arm.back())) continue;
+    if (map.degree(arm.back()) != 1 || map.at_side(arm.back()) || !stub.empty()) return std::nullopt;
+    stub = arm;
+  }
+  return stub;
+}
+
+/// So near along the chain that is to be joined that the loop would be too short.
+bool is_own(const LinkMap& map, int q, int from) {
+  const std::vector<int> own = map.reach(from, kShortestLoop - 1);
+  return std::find(own.begin(), own.end(), q) != own.end();
 }
 
 /// Bridges from the tail taken back by `back` pixels to drawn pixels ahead of it.
-void collect_bridges(const LinkMap& map, const std::vector<int>& tail, std::size_t back,
+void collect_bridges(const LinkMap& map, const std::vector<int>& tail, std::size_t back, Join join,
                      std::vector<Bridge>& bridges) {
   const int base = tail[back];
   const Vec2 heading = vector_between(map, tail[std::min(back + 4, tail.size() - 1)], base);
-  std::vector<int> own;
   for (int dy = -kReach; dy <= kReach; ++dy) {
     for (int dx = -kReach; dx <= kReach; ++dx) {
       const int x = map.x(base) + dx;
@@ -75,25 +96,28 @@ void collect_bridges(const LinkMap& map, const std::vector<int>& tail, std::size
       const int q = map.index(x, y);
       if (!map.drawn(q)) continue;
       const Vec2 v{double(dx), double(dy)};
-      const double distance = norm(v);
+      const double lengths = norm(v) * norm(heading);
       const double ahead = dot(v, heading);
-      if (ahead < 0.5 * distance * norm(heading) || distance == 0) continue;
-      if (own.empty()) own = map.reach(base, kShortestLoop - 1);
-      if (std::find(own.begin(), own.end(), q) != own.end()) continue;
-      if (!may_be_joined(map, q, map.reach(q, kNodeDistance - 1))) continue;
-      const double turn = 1 - ahead / (distance * norm(heading));
-      bridges.push_back({distance + double(back) + 2 * turn - (map.node(q) ? 1.5 : 0), back, q});
+      const bool contact = norm(v) < kContact;
+      if (lengths == 0 || (!contact && join == Join::kContacts)) continue;
+      if (ahead < (contact ? 0.5 : 0.8) * lengths) continue;
+      const double turn = 1 - ahead / lengths;
+      bridges.push_back({norm(v) + double(back) + 2 * turn - (map.node(q) ? 1.5 : 0), back, q});
     }
   }
 }
 
 /// Draws the bridge, and takes it back if the map is not sound with it.
 bool try_bridge(LinkMap& map, const std::vector<int>& tail, const Bridge& bridge) {
+  const int from = tail[bridge.back];
+  const std::optional<std::vector<int>> stub = stub_at(map, bridge.to);
+  if (!stub || is_own(map, bridge.to, from)) return false;
   const std::vector<int> given_up(tail.begin(), tail.begin() + std::ptrdiff_t(bridge.back) + 1);
-  const std::vector<int> line = straight_line(map, tail[bridge.back], bridge.to);
+  const std::vector<int> line = straight_line(map, from, bridge.to);
   map.unlink_all(given_up);
+  map.unlink_all(*stub);
   const bool free = std::none_of(line.begin() + 1, line.end() - 1, [&](int i) { return map.drawn(i); });
-  if (free) {
+  if (free && map.drawn(from) && map.drawn(bridge.to)) {
     map.link_all(line);
     // A node that vanishes here no longer excuses neighbours within two steps of it.
     std::vector<int> touched = map.reach(line.front(), 3);
@@ -103,28 +127,25 @@ bool try_bridge(LinkMap& map, const std::vector<int>& tail, const Bridge& bridge
     if (std::all_of(touched.begin(), touched.end(), [&](int i) { return map.sound(i); })) return true;
     map.unlink_all(line);
   }
+  map.link_all(*stub);
   map.link_all(given_up);
   return false;
 }
 
 }  // namespace
 
-bool join_tip(LinkMap& map, int tip) {
+bool join_tip(LinkMap& map, int tip, Join join) {
   if (map.degree(tip) != 1 || map.at_side(tip)) return false;
   const std::vector<int> tail = tail_of(map, tip);
   std::vector<Bridge> bridges;
   for (std::size_t back = 0; back <= kMaxBack && back + kNodeDistance < tail.size(); ++back) {
-    collect_bridges(map, tail, back, bridges);
+    collect_bridges(map, tail, back, join, bridges);
   }
   std::sort(bridges.begin(), bridges.end(), [](const Bridge& a, const Bridge& b) {
     return std::tie(a.cost, a.back, a.to) < std::tie(b.cost, b.back, b.to);
   });
-  // Cheap ones fail for want of room, if at all; far ones would then be surprising.
-  constexpr std::size_t kTries = 8;
-  for (std::size_t k = 0; k < std::min(kTries, bridges.size()); ++k) {
-    if (try_bridge(map, tail, bridges[k])) return true;
-  }
-  return false;
+  return std::any_of(bridges.begin(), bridges.end(),
+                     [&](const Bridge& bridge) { return try_bridge(map, tail, bridge); });
 }
 
 bool extend_to_side(LinkMap& map, int tip) {

@@ -85,15 +85,15 @@ bool LinkMap::share_node(int a, int b) const {
 }
 
 bool LinkMap::sound(int i) const {
+  const unsigned links = links_[std::size_t(i)];
   for (int d = 0; d < 8; ++d) {
     const int other = neighbour(i, d);
     if (!drawn(other)) continue;
-    if (!linked(i, d)) {
+    if ((links >> d & 1) == 0) {
       if (!share_node(i, other)) return false;
     } else if (d % 2 == 1) {
       // The other two pixels of the square, and the step from one to the other.
-      const int side = neighbour(i, (d + 7) % 8);
-      if (linked(side, (d + 2) % 8)) return false;
+      if (linked(neighbour(i, d - 1), (d + 2) % 8)) return false;
     }
   }
   return true;

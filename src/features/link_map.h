@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <bit>
 #include <cstddef>
 #include <cstdint>
@@ -35,7 +36,7 @@ class LinkMap {
 
   bool drawn(int i) const { return links_[std::size_t(i)] != 0; }
   bool linked(int i, int direction) const { return (links_[std::size_t(i)] >> direction & 1) != 0; }
-  int degree(int i) const { return std::popcount(links_[std::size_t(i)]); }
+  int degree(int i) const { return kDegrees[links_[std::size_t(i)]]; }
   bool node(int i) const { return drawn(i) && degree(i) != 2; }
   /// Some pixel of the 3x3 block around i is drawn.
   bool crowded(int i) const;
@@ -56,6 +57,13 @@ class LinkMap {
   bool sound(int i) const;
 
  private:
+  /// Number of bits; the instruction for it is not on all machines.
+  static constexpr std::array<std::int8_t, 256> kDegrees = [] {
+    std::array<std::int8_t, 256> result{};
+    for (unsigned i = 0; i < 256; ++i) result[i] = std::int8_t(std::popcount(i));
+    return result;
+  }();
+
   bool share_node(int a, int b) const;
 
   int width_;

@@ -1,6 +1,7 @@
 #include "features/profile.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace knotreel::features {
@@ -10,32 +11,41 @@ namespace {
 /// relative to the pixel; beyond the sides of the picture its last sample goes on.
 class Profile {
  public:
-  Profile(const GradientField& field, int x, int y) {
-    const std::size_t i = field.at(x, y);
-    const bool across_x = field.vertical(i);
-    stride_ = across_x ? 1 : field.width;
-    before_ = across_x ? x : y;
-    after_ = across_x ? field.width - 1 - x : field.height - 1 - y;
-    const std::size_t offset = std::size_t(field.channel[i]) * field.pixels() + i;
-    raw_ = field.raw.data() + offset;
-    smooth_ = field.smooth.data() + offset;
-    sign_ = (across_x ? field.gx[i] : field.gy[i]) < 0 ? -1 : 1;
+  Profile(const GradientField& field, int x, int y, Vec2 gradient)
+      : field_(field),
+        x_(x),
+        y_(y),
+        channel_(field.channel[field.at(x, y)]),
+        across_x_(is_vertical(gradient)),
+        sign_((across_x_ ? gradient.x : gradient.y) < 0 ? -1 : 1) {
+    std::array<double, 2 * kReach + 2> raw{};
+    for (int k = -kReach; k <= kReach + 1; ++k) {
+      raw[std::size_t(k + kReach)] =
+          sign_ * field.raw(across_x_ ? clamped_x(k) : x, across_x_ ? y : clamped_y(k), channel_);
+    }
+    for (std::size_t k = 0; k < steps_.size(); ++k) steps_[k] = std::max(0.0, raw[k + 1] - raw[k]);
   }
 
-  double raw(int k) const { return sign_ * double{raw_[clamped(k)]}; }
-  double smooth(int k) const { return sign_ * double{smooth_[clamped(k)]}; }
-  /// From sample k to the next: lies at k + 0.5. Zero where the profile falls.
-  double step(int k) const { return std::max(0.0, raw(k + 1) - raw(k)); }
+  double smooth(int k) const {
+    return sign_ * double{field_.plane(
+                       channel_)[field_.at(across_x_ ? clamped_x(k) : x_, across_x_ ? y_ : clamped_y(k))]};
+  }
+  /// From sample k of the picture to the next, so it lies at k + 0.5; zero where the profile falls.
+  /// @param k -kReach..kReach
+  double step(int k) const { return steps_[std::size_t(k + kReach)]; }
+  static constexpr int kReach = 3;
 
  private:
-  std::ptrdiff_t clamped(int k) const { return std::clamp(k, -before_, after_) * std::ptrdiff_t{stride_}; }
+  int clamped_x(int k) const { return std::clamp(x_ + k, 0, field_.width - 1); }
+  int clamped_y(int k) const { return std::clamp(y_ + k, 0, field_.height - 1); }
 
-  const float* raw_;
-  const float* smooth_;
-  int stride_;
-  int before_;
-  int after_;
+  const GradientField& field_;
+  int x_;
+  int y_;
+  int channel_;
+  bool across_x_;
   double sign_;
+  std::array<double, 2 * kReach + 1> steps_;
 };
 
 /// Place of the edge along the profile: centroid of the steps around the steepest one of the two at the
@@ -44,11 +54,11 @@ class Profile {
 /// the ends makes it exact for wide symmetric ones that lie on or half between pixels, too.
 double edge_offset(const Profile& profile) {
   const int peak = profile.step(-1) >= profile.step(0) ? -1 : 0;
-  constexpr int kReach = 2;
+  constexpr int kSteps = 2;
   int first = peak;
   int last = peak;
-  while (first > peak - kReach && profile.step(first - 1) <= profile.step(first)) --first;
-  while (last < peak + kReach && profile.step(last + 1) <= profile.step(last)) ++last;
+  while (first > peak - kSteps && profile.step(first - 1) <= profile.step(first)) --first;
+  while (last < peak + kSteps && profile.step(last + 1) <= profile.step(last)) ++last;
   const double base = std::min(profile.step(first), profile.step(last));
   double weight = 0;
   double moment = 0;
@@ -65,21 +75,20 @@ double edge_offset(const Profile& profile) {
 }  // namespace
 
 Vec2 refine_position(const GradientField& field, int x, int y) {
-  const std::size_t i = field.at(x, y);
   const Vec2 centre{x + 0.5, y + 0.5};
-  const Vec2 g{double{field.gx[i]}, double{field.gy[i]}};
+  const Vec2 g = field.gradient(x, y);
   // A level per ten pixels: no edge, but rounding.
   if (std::max(std::abs(g.x), std::abs(g.y)) < 0.1) return centre;
-  const double offset = edge_offset(Profile(field, x, y));
+  const double offset = edge_offset(Profile(field, x, y, g));
   // The edge, a line across g, meets the row (or column) at the offset. Its nearest point, rather than that
   // one, keeps pixels of slanted edges from moving along the edge, towards each other.
-  const double dominant = field.vertical(i) ? g.x : g.y;
+  const double dominant = is_vertical(g) ? g.x : g.y;
   return centre + (offset * dominant / dot(g, g)) * g;
 }
 
 Transition transition(const GradientField& field, int x, int y) {
-  const std::size_t i = field.at(x, y);
-  const Profile profile(field, x, y);
+  const Vec2 g = field.gradient(x, y);
+  const Profile profile(field, x, y, g);
   constexpr int kPlateau = 4;
   int first = 0;
   int last = 0;
@@ -89,9 +98,8 @@ Transition transition(const GradientField& field, int x, int y) {
   result.contrast = profile.smooth(last) - profile.smooth(first);
   for (int k = -2; k <= 1; ++k) result.slope = std::max(result.slope, profile.step(k));
   // The profile crosses a slanted edge at an angle, which makes it look softer.
-  const double dominant = std::abs(double{field.vertical(i) ? field.gx[i] : field.gy[i]});
-  const double length = std::hypot(double{field.gx[i]}, double{field.gy[i]});
-  if (length > 0) result.contrast *= dominant / length;
+  const double length = norm(g);
+  if (length > 0) result.contrast *= std::max(std::abs(g.x), std::abs(g.y)) / length;
   return result;
 }
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "features/gradient.h"
 #include "features/link_map.h"
 
 namespace knotreel::features {
@@ -15,14 +16,26 @@ struct Stretch {
 /// The chain from i, a node with a link in that direction, or any pixel of a closed chain.
 Stretch stretch_from(const LinkMap& map, int i, int direction);
 
-/// Removes the chain through a pixel that is no node, if it is shorter than min_length and ends freely (or at
-/// a side), or is closed. Short links between junctions stay: without them the two chains that they join
-/// would lose their common corner, and areas that are closed in the picture would leak.
-/// @return whether it was removed
-bool drop_if_short(LinkMap& map, int i, double min_length);
+/// What a chain has to be worth. Links between junctions may have any length, and half the weight: without
+/// them the chains that they join would lose their common corner, and areas that are closed in the picture
+/// would leak. Without any least weight textures fill with them.
+struct Worth {
+  const GradientField& field;
+  double least_points;
+  double least_weight;  ///< sum of the gradient's magnitude over its pixels
 
-/// drop_if_short() for all chains, until there is none left to drop. A junction that loses an arm makes its
-/// other two one chain.
-void prune(LinkMap& map, double min_length);
+  bool enough(const LinkMap& map, const Stretch& stretch) const;
+};
+
+/// Removes the chain through a pixel that is no node, if it is not worth enough. @return whether it was
+/// removed
+bool drop_if_worthless(LinkMap& map, int i, const Worth& worth);
+
+/// The same for all chains with a free end, until there is none left to drop. A junction that loses an arm
+/// makes its other two one chain.
+void drop_spurs(LinkMap& map, const Worth& worth);
+
+/// The same, and makes sure that what is left is sound.
+void prune(LinkMap& map, const Worth& worth);
 
 }  // namespace knotreel::features

@@ -190,15 +190,16 @@ std::vector<StepIndex> crossing_steps(const FeatureChains& chains) {
 }
 
 void untangle(FeatureChains& chains, const Positions& before) {
-  const Positions centres = pixel_centres_of(chains);
   // Each round takes a point back for good, so this ends; few rounds are usual.
   while (true) {
     const std::vector<StepIndex> steps = crossing_steps(chains);
-    if (steps.empty() || !take_back(chains, steps, before)) break;
+    if (steps.empty()) return;
+    if (!take_back(chains, steps, before)) break;
   }
+  const Positions centres = pixel_centres_of(chains);
   while (true) {
     const std::vector<StepIndex> steps = crossing_steps(chains);
-    if (steps.empty() || !take_back(chains, steps, centres)) break;
+    if (steps.empty() || !take_back(chains, steps, centres)) return;
   }
 }
 

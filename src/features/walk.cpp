@@ -1,6 +1,7 @@
 #include "features/walk.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace knotreel::features {
 namespace {
@@ -12,6 +13,16 @@ int direction_of(int step_x, int step_y) {
   return -1;
 }
 
+/// Pixels at the sides that walks keep away from. What lies there is the frame of a scan more often than a
+/// feature, and leaves no room for faces between curve and side.
+constexpr int kMargin = 2;
+
+/// A walk does not go on to less than this share of the gradient that it comes from. At right-angled corners
+/// the magnitude falls to a half; far less means that the walk has left its edge over the foot of the ridge.
+constexpr float kLeastShare = 0.25F;
+/// By how much that memory fades per step, so that edges may fade.
+constexpr float kFading = 0.8F;
+
 bool neighbours(const LinkMap& map, int a, int b) {
   return std::abs(map.x(a) - map.x(b)) <= 1 && std::abs(map.y(a) - map.y(b)) <= 1;
 }
@@ -22,23 +33,33 @@ Walker::Walker(const GradientField& field, const LinkMap& map, double threshold)
     : field_(field), map_(map), threshold_(float(threshold)), marks_(std::size_t(map.size()), 0) {}
 
 std::vector<int> Walker::walk(int anchor) {
-  if (map_.crowded(anchor) || closed(anchor)) return {};
   stamp_ += 2;
+  if (closed(anchor) || in_margin(anchor) || map_.crowded(anchor)) return {};
   marks_[std::size_t(anchor)] = stamp_;
   std::vector<int> path{anchor};
-  const bool vertical = field_.vertical(at(anchor));
-  extend(path, vertical ? 0 : -1, vertical ? -1 : 0);
+  int step_x = 1;
+  int step_y = 0;
+  if (is_vertical(field_.inner_gradient(at(anchor)))) std::swap(step_x, step_y);
+  // The stronger way first, so that mirrored pictures have mirrored walks.
+  const auto strength = [&](int next) { return next < 0 ? 0.0F : field_.magnitude[at(next)]; };
+  if (strength(next_pixel(anchor, step_x, step_y)) < strength(next_pixel(anchor, -step_x, -step_y))) {
+    step_x = -step_x;
+    step_y = -step_y;
+  }
+  extend(path, step_x, step_y);
   std::reverse(path.begin(), path.end());
-  extend(path, vertical ? 0 : 1, vertical ? 1 : 0);
+  extend(path, -step_x, -step_y);
   return path;
 }
 
 /// Goes on from the end of the path, until it ends.
 void Walker::extend(std::vector<int>& path, int step_x, int step_y) {
+  float level = 0;
   while (true) {
     const int here = path.back();
+    level = std::max(kFading * level, field_.magnitude[at(here)]);
     const int next = next_pixel(here, step_x, step_y);
-    if (next < 0 || map_.crowded(next)) return;
+    if (next < 0 || map_.crowded(next) || field_.magnitude[at(next)] < kLeastShare * level) return;
     // A step around the corner of a pixel: the pixel at the corner is not needed.
     const bool shortcut = path.size() > 1 && neighbours(map_, next, path[path.size() - 2]);
     if (shortcut) {
@@ -59,9 +80,9 @@ void Walker::extend(std::vector<int>& path, int step_x, int step_y) {
 /// @param step_x, step_y the step that led to `pixel`
 int Walker::next_pixel(int pixel, int step_x, int step_y) const {
   const int heading = direction_of(step_x, step_y);
-  const bool vertical = field_.vertical(at(pixel));
+  const bool vertical = is_vertical(field_.inner_gradient(at(pixel)));
   const int along = vertical ? step_y : step_x;
-  int next = -1;
+  int next = kNone;
   if (along != 0) {
     const int d = vertical ? direction_of(0, along) : direction_of(along, 0);
     next = strongest(pixel, {d, (d + 1) % 8, (d + 7) % 8, 0}, 3);
@@ -70,42 +91,40 @@ int Walker::next_pixel(int pixel, int step_x, int step_y) const {
     next = strongest(pixel, {(heading + 1) % 8, (heading + 7) % 8, (heading + 2) % 8, (heading + 6) % 8}, 4);
   }
   // At corners the direction of single pixels says little: straight on then.
-  return next >= 0 ? next : strongest(pixel, {heading, (heading + 1) % 8, (heading + 7) % 8, 0}, 3);
+  return next != kNone ? next : strongest(pixel, {heading, (heading + 1) % 8, (heading + 7) % 8, 0}, 3);
 }
 
-/// The strongest of the neighbours that may be entered, the first of equals; -1 if there is none.
+/// The strongest of the neighbours that may be entered, the first of equals; kNone if there is none, kLeaves
+/// if an even stronger one lies in the margin: the edge leaves the picture there, and must not be followed
+/// along the margin.
 int Walker::strongest(int pixel, const int (&directions)[4], int count) const {
-  int best = -1;
+  int best = kNone;
   float most = 0;
   for (int k = 0; k < count; ++k) {
     const int other = map_.neighbour(pixel, directions[k]);
-    if (!enterable(other)) continue;
-    const float magnitude = field_.magnitude[at(other)];
-    if (magnitude > most && same_edge(pixel, other)) {
-      best = other;
+    const std::size_t i = at(other);
+    const float magnitude = field_.magnitude[i];
+    const std::int32_t mark = marks_[std::size_t(other)];
+    const bool open = mark != kClosed && mark < stamp_ && magnitude >= threshold_;
+    if (open && magnitude > most && same_edge(pixel, other)) {
+      best = in_margin(other) ? kLeaves : other;
       most = magnitude;
     }
   }
   return best;
 }
 
-bool Walker::enterable(int pixel) const {
+bool Walker::in_margin(int pixel) const {
   const int x = map_.x(pixel);
   const int y = map_.y(pixel);
-  if (x < 1 || y < 1 || x >= map_.width() - 1 || y >= map_.height() - 1) return false;
-  const std::int32_t mark = marks_[std::size_t(pixel)];
-  return mark != kClosed && mark < stamp_ && field_.magnitude[field_.at(x, y)] >= threshold_;
+  return x < kMargin || y < kMargin || x >= map_.width() - kMargin || y >= map_.height() - kMargin;
 }
 
-/// Gradients of one and the same channel point to the same side: the two sides of a thin line do not.
-/// Neighbours may differ in their strongest channel, where one rises as the other falls.
+/// Gradients point to the same side: those of the two sides of a thin line do not. Both are taken of one
+/// channel, because neighbours may differ in their strongest one, where one channel rises as another falls.
 bool Walker::same_edge(int a, int b) const {
-  const std::size_t i = at(a);
-  const std::size_t j = at(b);
-  const int c = field_.channel[i];
-  if (dot(field_.gradient(i, c), field_.gradient(j, c)) > 0) return true;
-  const int other = field_.channel[j];
-  return other != c && dot(field_.gradient(i, other), field_.gradient(j, other)) > 0;
+  const int c = field_.channel[at(a)];
+  return dot(field_.inner_gradient(at(a), c), field_.inner_gradient(at(b), c)) > 0;
 }
 
 /// Some pixel around is on the path, other than its end.

@@ -25,11 +25,13 @@ class Walker {
 
  private:
   static constexpr std::int32_t kClosed = -1;
+  static constexpr int kNone = -1;  // for pixels
+  static constexpr int kLeaves = -2;
 
   void extend(std::vector<int>& path, int step_x, int step_y);
   int next_pixel(int pixel, int step_x, int step_y) const;
   int strongest(int pixel, const int (&directions)[4], int count) const;
-  bool enterable(int pixel) const;
+  bool in_margin(int pixel) const;
   bool same_edge(int a, int b) const;
   bool touches_path(int pixel, int end) const;
   std::size_t at(int pixel) const { return field_.at(map_.x(pixel), map_.y(pixel)); }

@@ -36,68 +36,24 @@ Eigen::MatrixXd solve(const Eigen::SparseMatrix<double>& lower, const Eigen::Mat
   return factor.solve(right);
 }
 
-/// For each pixel row, the function rows in it.
-class RowIndex {
- public:
-  struct Entry {
-    spline::FunctionIndex function;
-    const spline::GridValues::Row* row;
-  };
-
-  RowIndex(const spline::GridValues& grid, int begin, int end)
-      : first_(begin), begin_(static_cast<std::size_t>(end - begin) + 1, 0) {
-    for (const auto& r : grid.rows) ++begin_[static_cast<std::size_t>(r.y - first_) + 1];
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    entries_.resize(grid.rows.size());
-    std::vector<std::size_t> cursor(begin_.begin(), begin_.end() - 1);
-    for (spline::FunctionIndex f = 0; f + 1 < grid.row_begin.size(); ++f) {
-      for (const auto& r : grid.rows_of(f))
-        entries_[cursor[static_cast<std::size_t>(r.y - first_)]++] = {f, &r};
-    }
-  }
-
-  std::span<const Entry> row(int y) const {
-    const auto i = static_cast<std::size_t>(y - first_);
-    return std::span(entries_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
-  }
-
- private:
-  int first_;
-  std::vector<std::size_t> begin_;
-  std::vector<Entry> entries_;
-};
-
 /// Picture minus surface.
-void find_residual(const PixelValues& values, ColourFit& fit) {
-  const image::Image& image = values.image();
-  const auto channels = static_cast<std::size_t>(image.channels);
-  fit.residual.resize(image.samples.size());
+void find_residual(const PixelValues& values, const Pixels& pixels, ColourFit& fit) {
+  const image::Image& image = *pixels.image;
+  const std::size_t row_size = image.row_size();
+  std::vector<double> surface(image.samples.size());
+  surface_at_pixels(values, fit.control, image.channels, surface);
+  fit.residual.resize(surface.size());
   std::vector<double> row_sums(static_cast<std::size_t>(image.height), 0.0);
-  values.for_bands([&](const spline::GridValues& grid, int begin, int end) {
-    const RowIndex index(grid, begin, end);
-    parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i) {
-      const int y = begin + static_cast<int>(i);
-      std::vector<double> row(image.row_size());
-      for (int x = 0; x < image.width; ++x) {
-        for (std::size_t c = 0; c < channels; ++c) {
-          row[static_cast<std::size_t>(x) * channels + c] =
-              values.root_weight(x, y) * static_cast<double>(image.at(x, y, static_cast<int>(c)));
-        }
-      }
-      for (const RowIndex::Entry& e : index.row(y)) {
-        const double* v = grid.values.data() + e.row->offset;
-        const double* control = fit.control.data() + e.function * channels;
-        for (std::int32_t x = e.row->x_begin; x < e.row->x_end; ++x, ++v) {
-          double* at = row.data() + static_cast<std::size_t>(x) * channels;
-          for (std::size_t c = 0; c < channels; ++c) at[c] -= *v * control[c];
-        }
-      }
-      float* out = fit.residual.data() + static_cast<std::size_t>(y) * row.size();
-      for (std::size_t k = 0; k < row.size(); ++k) {
-        out[k] = static_cast<float>(row[k]);
-        row_sums[static_cast<std::size_t>(y)] += row[k] * row[k];
-      }
-    });
+  parallel_for(row_sums.size(), [&](std::size_t y) {
+    double sum = 0;
+    for (std::size_t i = y * row_size; i < (y + 1) * row_size; ++i) {
+      const double d = static_cast<double>(image.samples[i]) - surface[i];
+      fit.residual[i] = static_cast<float>(d);
+      sum += pixels.weights.empty()
+                 ? d * d
+                 : d * d * static_cast<double>(pixels.weights[i / std::size_t(image.channels)]);
+    }
+    row_sums[y] = sum;
   });
   fit.squared_error = std::accumulate(row_sums.begin(), row_sums.end(), 0.0);
 }
@@ -105,14 +61,22 @@ void find_residual(const PixelValues& values, ColourFit& fit) {
 }  // namespace
 
 ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const ColourFitOptions& options) {
-  const spline::SplineSpace& space = basis.space();
-  const PixelValues values(basis, pixels);
-  NormalEquations normal = assemble(values);
+  const PixelValues values(basis, pixels.image->width, pixels.image->height, pixels.places);
+  return fit_colours(values, pixels, options);
+}
+
+ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const ColourFitOptions& options) {
+  const spline::SplineSpace& space = values.basis().space();
+  const image::Image& image = *pixels.image;
+  if (!pixels.weights.empty() && pixels.weights.size() != image.pixel_count()) {
+    throw Error(ErrorKind::kInvalidArgument, "a fit needs one weight per pixel");
+  }
+  NormalEquations normal = assemble(values, image, pixels.weights);
   const double ridge = options.ridge * std::max(1.0, normal.matrix.diagonal().maxCoeff());
   for (Eigen::Index i = 0; i < normal.matrix.rows(); ++i) normal.matrix.coeffRef(i, i) += ridge;
 
   // min |A c - b|^2 + ridge |c - prior|^2 over c = P z, with P the identity or the smooth surfaces.
-  const Eigen::MatrixXd right = normal.right + ridge * greville_colours(space, *pixels.image);
+  const Eigen::MatrixXd right = normal.right + ridge * greville_colours(space, image);
   Eigen::MatrixXd control;
   if (options.smooth_corners) {
     const Eigen::SparseMatrix<double> p = spline::smooth_corner_prolongation(space);
@@ -126,7 +90,7 @@ ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const Co
   fit.control.resize(static_cast<std::size_t>(control.size()));
   Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
       fit.control.data(), control.rows(), control.cols()) = control;
-  find_residual(values, fit);
+  find_residual(values, pixels, fit);
   return fit;
 }
 

@@ -35,7 +35,7 @@ struct Guard {
 
 class Guards {
  public:
-  Guards(const spline::SplineSpace& space, double min_distance) {
+  Guards(const spline::SplineSpace& space, double min_distance) : at_rest_(space.mesh().knots.size()) {
     const auto& mesh = space.mesh();
     for (const mesh::Face& f : mesh.faces) add(mesh, f, 0.25 * min_distance);
     for (const spline::Config& c : space.configs()) {
@@ -75,12 +75,13 @@ class Guards {
 
   void add(const KnotMesh& mesh, const std::array<KnotIndex, 3>& t, double least_height) {
     if (t[0] == t[1] || t[1] == t[2] || t[2] == t[0]) return;
-    const double now = height(mesh, t, std::vector<Vec2>(mesh.knots.size()));
+    const double now = height(mesh, t, at_rest_);
     // Flat triangles of collinear knots stay flat.
     if (now < 1e-6) return;
     guards_.push_back({t, std::min(least_height, 0.5 * now)});
   }
 
+  std::vector<Vec2> at_rest_;
   std::vector<Guard> guards_;
 };
 

@@ -13,75 +13,168 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-/// Displacements as a picture of two channels.
-image::Image displacement_picture(const GeometrySamples& samples) {
-  image::Image image{samples.width, samples.height, 2, {}};
-  image.samples.resize(2 * samples.position.size());
-  for (std::size_t i = 0; i < samples.position.size(); ++i) {
-    const Vec2 d = samples.position[i] - samples.parameter[i];
+Vec2 centre(std::size_t pixel, int width) {
+  return {static_cast<double>(pixel % std::size_t(width)) + 0.5,
+          static_cast<double>(pixel / std::size_t(width)) + 0.5};
+}
+
+/// What the surface must add to each place, as a picture of two channels.
+image::Image displacement_picture(std::span<const Vec2> places, int width, int height) {
+  image::Image image{width, height, 2, {}};
+  image.samples.resize(2 * places.size());
+  for (std::size_t i = 0; i < places.size(); ++i) {
+    const Vec2 d = centre(i, width) - places[i];
     image.samples[2 * i] = static_cast<float>(d.x);
     image.samples[2 * i + 1] = static_cast<float>(d.y);
   }
   return image;
 }
 
-/// Columns: groups that may move; rows: functions.
-Matrix group_matrix(const spline::SplineSpace& space, std::vector<std::uint32_t>& moving) {
+/// Functions with a displaced pixel in their support, and those that share a geometry control point with one.
+std::vector<std::uint8_t> active_functions(const PixelValues& values, const image::Image& target) {
+  const auto stride = static_cast<std::size_t>(target.width) + 1;
+  std::vector<std::uint32_t> displaced(stride * static_cast<std::size_t>(target.height),
+                                       0);  // sums along rows
+  for (int y = 0; y < target.height; ++y) {
+    for (int x = 0; x < target.width; ++x) {
+      const std::size_t i = static_cast<std::size_t>(y) * stride + static_cast<std::size_t>(x);
+      displaced[i + 1] = displaced[i] + (target.at(x, y, 0) != 0 || target.at(x, y, 1) != 0);
+    }
+  }
+  const spline::SplineSpace& space = values.basis().space();
+  std::vector<std::uint8_t> group(space.geometry_count(), 0);
+  values.for_bands([&](const spline::GridValues& grid, int, int) {
+    for (spline::FunctionIndex f = 0; f < space.function_count(); ++f) {
+      for (const auto& row : grid.rows_of(f)) {
+        const std::size_t start = static_cast<std::size_t>(row.y) * stride;
+        if (row.x_begin < row.x_end && displaced[start + static_cast<std::size_t>(row.x_begin)] !=
+                                           displaced[start + static_cast<std::size_t>(row.x_end)]) {
+          group[space.geometry_of()[f]] = 1;
+          break;
+        }
+      }
+    }
+  });
+  std::vector<std::uint8_t> active(space.function_count());
+  for (std::size_t f = 0; f < active.size(); ++f) active[f] = group[space.geometry_of()[f]];
+  return active;
+}
+
+/// The control points that are solved for: a column for each geometry group that is active and off the
+/// border.
+struct Unknowns {
+  std::vector<int> column;            ///< by geometry group, or -1
+  std::vector<std::uint32_t> groups;  ///< by column
+};
+
+Unknowns find_unknowns(const spline::SplineSpace& space, const std::vector<std::uint8_t>& active) {
   const std::vector<Vec2> sites = space.geometry_greville();
-  std::vector<int> column(sites.size(), -1);
+  std::vector<std::uint8_t> wanted(sites.size(), 0);
+  for (std::size_t f = 0; f < active.size(); ++f) {
+    if (active[f]) wanted[space.geometry_of()[f]] = 1;
+  }
+  Unknowns unknowns;
+  unknowns.column.assign(sites.size(), -1);
   for (std::uint32_t g = 0; g < sites.size(); ++g) {
     const Vec2 s = sites[g];
-    if (s.x <= 0 || s.y <= 0 || s.x >= space.mesh().width || s.y >= space.mesh().height) continue;
-    column[g] = static_cast<int>(moving.size());
-    moving.push_back(g);
+    const bool border = s.x <= 0 || s.y <= 0 || s.x >= space.mesh().width || s.y >= space.mesh().height;
+    if (!wanted[g] || border) continue;
+    unknowns.column[g] = static_cast<int>(unknowns.groups.size());
+    unknowns.groups.push_back(g);
   }
+  return unknowns;
+}
+
+/// Normal equations of the unknowns: those of the functions folded, and the points of the curves.
+struct Folded {
   std::vector<Eigen::Triplet<double>> entries;
-  for (std::size_t f = 0; f < space.function_count(); ++f) {
-    const int c = column[space.geometry_of()[f]];
-    if (c >= 0) entries.emplace_back(static_cast<int>(f), c, 1.0);
+  Eigen::MatrixXd right;
+};
+
+Folded fold(const NormalEquations& normal, const spline::SplineSpace& space, const Unknowns& unknowns) {
+  Folded folded;
+  folded.right.setZero(static_cast<Eigen::Index>(unknowns.groups.size()), 2);
+  const auto column_of = [&](Eigen::Index f) {
+    return unknowns.column[space.geometry_of()[static_cast<std::size_t>(f)]];
+  };
+  for (Eigen::Index f = 0; f < normal.matrix.outerSize(); ++f) {
+    const int c = column_of(f);
+    if (c < 0) continue;
+    folded.right.row(c) += normal.right.row(f);
+    for (Matrix::InnerIterator it(normal.matrix, f); it; ++it) {
+      const int r = column_of(it.row());
+      if (r < 0) continue;
+      folded.entries.emplace_back(std::max(r, c), std::min(r, c), it.value());
+      // Two functions of one group: both orders of the pair fall on the diagonal.
+      if (r == c && it.row() != f) folded.entries.emplace_back(r, c, it.value());
+    }
   }
-  Matrix groups(static_cast<Eigen::Index>(space.function_count()), static_cast<Eigen::Index>(moving.size()));
-  groups.setFromTriplets(entries.begin(), entries.end());
-  return groups;
+  return folded;
+}
+
+void add_curves(const spline::Basis& basis, std::span<const CurvePoint> curves, double weight,
+                const Unknowns& unknowns, Folded& folded) {
+  std::vector<Vec2> points;
+  points.reserve(curves.size());
+  for (const CurvePoint& p : curves) points.push_back(p.parameter);
+  const spline::ScatteredValues values = basis.evaluate(points);
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const Vec2 d = curves[i].position - curves[i].parameter;
+    for (std::size_t a = values.begin[i]; a < values.begin[i + 1]; ++a) {
+      const int r = unknowns.column[basis.space().geometry_of()[values.values[a].function]];
+      if (r < 0) continue;
+      const double v = weight * values.values[a].value;
+      folded.right(r, 0) += v * d.x;
+      folded.right(r, 1) += v * d.y;
+      for (std::size_t b = values.begin[i]; b < values.begin[i + 1]; ++b) {
+        const int c = unknowns.column[basis.space().geometry_of()[values.values[b].function]];
+        if (c >= 0 && c <= r) folded.entries.emplace_back(r, c, v * values.values[b].value);
+      }
+    }
+  }
 }
 
 }  // namespace
 
-std::vector<Vec2> fit_geometry(const spline::Basis& basis, const GeometrySamples& samples,
-                               const GeometryFitOptions& options) {
-  const spline::SplineSpace& space = basis.space();
+std::vector<Vec2> fit_geometry(const PixelValues& values, std::span<const Vec2> places,
+                               std::span<const CurvePoint> curves, const GeometryFitOptions& options) {
+  const spline::SplineSpace& space = values.basis().space();
   std::vector<Vec2> displacement(space.geometry_count());
-  if (samples.position.size() != samples.parameter.size() ||
-      samples.on_feature.size() != samples.position.size()) {
-    throw Error(ErrorKind::kInvalidArgument, "samples of the geometry fit disagree in number");
-  }
-  const image::Image image = displacement_picture(samples);
-  if (std::all_of(image.samples.begin(), image.samples.end(), [](float v) { return v == 0; })) {
-    return displacement;
-  }
-  std::vector<float> weights(samples.on_feature.size(), 1.0F);
-  for (std::size_t i = 0; i < weights.size(); ++i) {
-    if (samples.on_feature[i]) weights[i] = static_cast<float>(options.feature_weight);
-  }
-  const PixelValues values(basis, {.image = &image, .weights = weights, .places = samples.parameter});
-  const NormalEquations normal = assemble(values);
-  std::vector<std::uint32_t> moving;
-  const Matrix groups = group_matrix(space, moving);
-  if (moving.empty()) return displacement;
-  const Matrix full = normal.matrix.selfadjointView<Eigen::Lower>();
-  Matrix reduced = groups.transpose() * full * groups;
-  const double ridge = options.ridge * std::max(1.0, Eigen::VectorXd(reduced.diagonal()).maxCoeff());
-  for (Eigen::Index i = 0; i < reduced.rows(); ++i) reduced.coeffRef(i, i) += ridge;
-  const Eigen::CholmodSimplicialLDLT<Matrix, Eigen::Lower> factor(reduced);
+  if (places.empty()) return displacement;
+  const image::Image target = displacement_picture(places, values.width(), values.height());
+  const std::vector<std::uint8_t> active = active_functions(values, target);
+  const Unknowns unknowns = find_unknowns(space, active);
+  if (unknowns.groups.empty()) return displacement;
+  Folded folded = fold(assemble(values, target, {}, active), space, unknowns);
+  add_curves(values.basis(), curves, options.feature_weight, unknowns, folded);
+  const auto n = static_cast<Eigen::Index>(unknowns.groups.size());
+  Matrix matrix(n, n);
+  matrix.setFromTriplets(folded.entries.begin(), folded.entries.end());
+  const double ridge = options.ridge * std::max(1.0, Eigen::VectorXd(matrix.diagonal()).maxCoeff());
+  for (Eigen::Index i = 0; i < n; ++i) matrix.coeffRef(i, i) += ridge;
+  const Eigen::CholmodSimplicialLDLT<Matrix, Eigen::Lower> factor(matrix);
   if (factor.info() != Eigen::Success) {
     throw Error(ErrorKind::kInternal, "the normal equations of the geometry fit cannot be factored");
   }
-  const Eigen::MatrixXd solution = factor.solve(Eigen::MatrixXd(groups.transpose() * normal.right));
-  for (std::size_t i = 0; i < moving.size(); ++i) {
-    const Vec2 d{solution(static_cast<Eigen::Index>(i), 0), solution(static_cast<Eigen::Index>(i), 1)};
-    if (norm(d) >= options.least) displacement[moving[i]] = d;
+  const Eigen::MatrixXd solution = factor.solve(folded.right);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    const Vec2 d{solution(i, 0), solution(i, 1)};
+    if (norm(d) >= options.least) displacement[unknowns.groups[static_cast<std::size_t>(i)]] = d;
   }
   return displacement;
+}
+
+double geometry_error(const spline::Basis& basis, std::span<const Vec2> displacement,
+                      std::span<const CurvePoint> curves) {
+  std::vector<spline::BasisValue> values;
+  double sum = 0;
+  for (const CurvePoint& p : curves) {
+    Vec2 at = p.parameter;
+    basis.evaluate(p.parameter, values);
+    for (const auto& v : values) at = at + v.value * displacement[basis.space().geometry_of()[v.function]];
+    sum += norm(at - p.position);
+  }
+  return curves.empty() ? 0 : sum / static_cast<double>(curves.size());
 }
 
 }  // namespace knotreel::fit

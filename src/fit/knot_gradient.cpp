@@ -6,8 +6,7 @@
 
 #include "base/multiversion.h"
 #include "knotreel/base/parallel.h"
-#include "knotreel/spline/reference.h"
-#include "spline/tent.h"
+#include "spline/places.h"
 
 namespace knotreel::fit {
 
@@ -46,13 +45,14 @@ std::vector<Directions> free_directions(const mesh::KnotMesh& mesh) {
   return result;
 }
 
-/// Columns of row y where a term can be positive; pixels at their centres.
-std::pair<int, int> columns_of(const PieceTerm& term, double y, int width) {
-  double low = term.low.x;
-  double high = term.high.x;
+/// Columns of row y where a term can be positive, for pixels at most `slack` from their centres.
+std::pair<int, int> columns_of(const PieceTerm& term, double y, double slack, int width) {
+  double low = term.low.x - slack;
+  double high = term.high.x + slack;
   const auto clip = [&](const Affine& a) {
     if (a.nx == 0) return;
-    const double zero = a.px - a.ny * (y - a.py) / a.nx;
+    const double spare = slack * (std::abs(a.nx) + std::abs(a.ny));
+    const double zero = a.px - (a.ny * (y - a.py) + spare) / a.nx;
     if (a.nx > 0) low = std::max(low, zero);
     if (a.nx < 0) high = std::min(high, zero);
   };
@@ -68,55 +68,89 @@ struct ResidualRow {
   int begin = 0;
 };
 
-/// Sum over the pixels [from, to) of tent * factor * sum_v weights[v] * q[v].
-KNOTREEL_MULTIVERSION
-double row_sum(const Piece& piece, const PieceTerm& term, const ResidualRow& row, double y, int from,
-               int to) {
-  struct Line {
-    double slope, offset;
-  };
-  const double x0 = from + 0.5;
-  const auto along = [&](const Affine& a) { return Line{a.nx, a.nx * (x0 - a.px) + a.ny * (y - a.py)}; };
-  // Unused slopes are so high that they never rule.
-  Line s[4] = {{0, 1e300}, {0, 1e300}, {0, 1e300}, {0, 1e300}};
-  if (term.tent.slope_count == 0) s[0] = {0, term.tent.constant};
-  for (int i = 0; i < term.tent.slope_count; ++i) s[i] = along(term.tent.slopes[static_cast<std::size_t>(i)]);
-  const Line f = term.has_factor ? along(term.factor) : Line{0, 1};
-  const Line w0 = along(piece.weights[0]);
-  const Line w1 = along(piece.weights[1]);
-  const Line w2 = along(piece.weights[2]);
-  const double* __restrict q0 = row.q[0].data() + (from - row.begin);
-  const double* __restrict q1 = row.q[1].data() + (from - row.begin);
-  const double* __restrict q2 = row.q[2].data() + (from - row.begin);
-  const int n = to - from;
-  // Four sums side by side: the order is fixed, whatever the vector width.
-  double sums[4] = {};
-  const auto at = [&](int i) {
-    const double x = i;
-    double v = s[0].slope * x + s[0].offset;
-    const double v1 = s[1].slope * x + s[1].offset;
-    const double v2 = s[2].slope * x + s[2].offset;
-    const double v3 = s[3].slope * x + s[3].offset;
-    v = v1 < v ? v1 : v;
-    v = v2 < v ? v2 : v;
-    v = v3 < v ? v3 : v;
-    v = v > 0 ? v : 0;
-    const double share = (w0.slope * x + w0.offset) * q0[i] + (w1.slope * x + w1.offset) * q1[i] +
-                         (w2.slope * x + w2.offset) * q2[i];
-    return v * (f.slope * x + f.offset) * share;
-  };
-  int i = 0;
-  for (; i + 4 <= n; i += 4) {
-    for (int l = 0; l < 4; ++l) sums[l] += at(i + l);
+/// Tent, factor and weights of one piece, with what is missing filled in so that it changes nothing: one loop
+/// for all kinds.
+struct Shape {
+  std::array<Affine, 4> slopes{};
+  std::array<double, 4> high{1e300, 1e300, 1e300, 1e300};
+  std::array<Affine, 3> walls{};
+  std::array<double, 3> inside{1, 1, 1};
+  Affine factor{};
+  double plain = 1;
+  std::array<Affine, 3> weights{};
+};
+
+Shape shape_of(const Piece& piece, const PieceTerm& term) {
+  Shape s;
+  if (term.tent.slope_count == 0) s.high[0] = term.tent.constant;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.slope_count); ++i) {
+    s.slopes[i] = term.tent.slopes[i];
+    s.high[i] = 0;
   }
-  for (; i < n; ++i) sums[0] += at(i);
-  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
+  for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.wall_count); ++i) {
+    s.walls[i] = term.tent.walls[i];
+    s.inside[i] = 0;
+  }
+  if (term.has_factor) {
+    s.factor = term.factor;
+    s.plain = 0;
+  }
+  s.weights = piece.weights;
+  return s;
+}
+
+/// Sum over n pixels at (x, y) of tent * factor * sum_v weights[v] * q[v].
+KNOTREEL_MULTIVERSION
+double row_sum(const Shape& shape, const double* __restrict x, const double* __restrict y,
+               const double* __restrict q0, const double* __restrict q1, const double* __restrict q2, int n) {
+  const Shape s = shape;
+  const auto at = [&](int i) {
+    const double ux = x[i];
+    const double uy = y[i];
+    const auto value = [&](const Affine& a) { return a.nx * (ux - a.px) + a.ny * (uy - a.py); };
+    const double v0 = value(s.slopes[0]) + s.high[0];
+    const double v1 = value(s.slopes[1]) + s.high[1];
+    const double v2 = value(s.slopes[2]) + s.high[2];
+    const double v3 = value(s.slopes[3]) + s.high[3];
+    const double a = v1 < v0 ? v1 : v0;
+    const double b = v3 < v2 ? v3 : v2;
+    double v = b < a ? b : a;
+    v = v > 0 ? v : 0;
+    const double d0 = value(s.walls[0]) + s.inside[0];
+    const double d1 = value(s.walls[1]) + s.inside[1];
+    const double d2 = value(s.walls[2]) + s.inside[2];
+    const double d01 = d1 < d0 ? d1 : d0;
+    const double d = d2 < d01 ? d2 : d01;
+    v = d > 0 ? v : 0;
+    return v * (value(s.factor) + s.plain) *
+           (value(s.weights[0]) * q0[i] + value(s.weights[1]) * q1[i] + value(s.weights[2]) * q2[i]);
+  };
+  // Eight sums side by side: the order is fixed, whatever the vector width.
+  double sums[8] = {};
+  int i = 0;
+  for (; i + 8 <= n; i += 8) {
+    for (int l = 0; l < 8; ++l) sums[l] += at(i + l);
+  }
+  for (int l = 0; i < n; ++i, ++l) sums[l] += at(i);
+  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
 }
 
 class Differences {
  public:
   Differences(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit)
-      : basis_(basis), pixels_(pixels), fit_(fit), directions_(free_directions(basis.space().mesh())) {}
+      : basis_(basis),
+        pixels_(pixels),
+        fit_(fit),
+        directions_(free_directions(basis.space().mesh())),
+        places_(pixels.image->width, pixels.image->height, 1, 1, pixels.places),
+        weighted_(fit.residual),
+        centres_(static_cast<std::size_t>(pixels.image->width)) {
+    const auto channels = static_cast<std::size_t>(pixels.image->channels);
+    for (std::size_t i = 0; i < weighted_.size() && !pixels.weights.empty(); ++i) {
+      weighted_[i] *= pixels.weights[i / channels];
+    }
+    for (std::size_t x = 0; x < centres_.size(); ++x) centres_[x] = static_cast<double>(x) + 0.5;
+  }
 
   struct Share {
     KnotIndex knot;
@@ -165,12 +199,14 @@ class Differences {
   struct Variant {
     Piece piece;
     std::vector<PieceTerm> terms;
+    std::vector<Shape> shapes;
     double sum = 0;
   };
 
   void add_variant(std::size_t config, const spline::KnotShift& shift, std::vector<Variant>& out) const {
     Variant v;
     v.piece = spline::make_shifted_piece(basis_.space(), config, shift, v.terms);
+    for (const PieceTerm& term : v.terms) v.shapes.push_back(shape_of(v.piece, term));
     out.push_back(std::move(v));
   }
 
@@ -185,92 +221,72 @@ class Differences {
       }
     }
     if (!(low.x <= high.x)) return;
-    const double margin = pixels_.places.empty() ? 0 : kPlaceMargin;
+    const double slack = places_.reach(low, high);
     const auto clamped = [](double v, int n) { return static_cast<int>(std::clamp(v, 0.0, double(n))); };
-    const int left = clamped(std::ceil(low.x - margin - 0.5), image.width);
-    const int right = clamped(std::floor(high.x + margin - 0.5) + 1, image.width);
-    const int top = clamped(std::ceil(low.y - margin - 0.5), image.height);
-    const int bottom = clamped(std::floor(high.y + margin - 0.5) + 1, image.height);
+    const int left = clamped(std::ceil(low.x - slack - 0.5), image.width);
+    const int right = clamped(std::floor(high.x + slack - 0.5) + 1, image.width);
+    const int top = clamped(std::ceil(low.y - slack - 0.5), image.height);
+    const int bottom = clamped(std::floor(high.y + slack - 0.5) + 1, image.height);
     thread_local ResidualRow row;
     row.begin = left;
     for (auto& q : row.q) q.resize(static_cast<std::size_t>(std::max(0, right - left)));
     for (int y = top; y < bottom; ++y) {
-      fill_row(config, y, left, right, row);
-      const bool moved = any_moved(y, left, right);
-      for (Variant& v : variants) {
-        for (const PieceTerm& term : v.terms) {
-          if (moved) {
-            v.sum += moved_row_sum(v.piece, term, row, y, left, right);
-            continue;
-          }
-          auto [from, to] = columns_of(term, y + 0.5, image.width);
-          from = std::max(from, left);
-          to = std::min(to, right);
-          if (from < to) v.sum += row_sum(v.piece, term, row, y + 0.5, from, to);
+      // Only where the piece as it is can be positive; a shift by kStep hardly reaches beyond.
+      int from = right;
+      int to = left;
+      for (const PieceTerm& term : variants[0].terms) {
+        const auto [first, last] = columns_of(term, y + 0.5, slack + 2 * kStep, image.width);
+        from = std::min(from, std::max(first, left));
+        to = std::max(to, std::min(last, right));
+      }
+      if (from >= to) continue;
+      fill_row(config, y, from, to, row);
+      const double* x = slack > 0 ? places_.x(y) + from : centres_.data() + from;
+      const double* v = slack > 0 ? places_.y(y) + from : heights(y);
+      const auto at = static_cast<std::size_t>(from - left);
+      for (Variant& variant : variants) {
+        for (const Shape& shape : variant.shapes) {
+          variant.sum += row_sum(shape, x, v, row.q[0].data() + at, row.q[1].data() + at,
+                                 row.q[2].data() + at, to - from);
         }
       }
     }
   }
 
-  void fill_row(const spline::Config& config, int y, int left, int right, ResidualRow& row) const {
-    const image::Image& image = *pixels_.image;
-    const auto channels = static_cast<std::size_t>(image.channels);
-    const std::size_t start = static_cast<std::size_t>(y) * image.row_size();
+  /// A row of equal heights for pixels at their centres.
+  const double* heights(int y) const {
+    thread_local std::vector<double> row;
+    row.assign(centres_.size(), y + 0.5);
+    return row.data();
+  }
+
+  /// Weighted residual times control points for the pixels [from, to) of a row.
+  void fill_row(const spline::Config& config, int y, int from, int to, ResidualRow& row) const {
+    const auto channels = static_cast<std::size_t>(pixels_.image->channels);
+    const std::size_t start = static_cast<std::size_t>(y) * static_cast<std::size_t>(pixels_.image->width);
     for (std::size_t v = 0; v < 3; ++v) {
-      double* q = row.q[v].data();
-      std::fill(row.q[v].begin(), row.q[v].end(), 0.0);
-      if (config.functions[v] == spline::kNoFunction) continue;
+      double* q = row.q[v].data() - row.begin;
+      if (config.functions[v] == spline::kNoFunction) {
+        std::fill(q + from, q + to, 0.0);
+        continue;
+      }
       const double* control = fit_.control.data() + config.functions[v] * channels;
-      for (int x = left; x < right; ++x) {
-        const float* r = fit_.residual.data() + start + static_cast<std::size_t>(x) * channels;
+      const float* r = weighted_.data() + (start + static_cast<std::size_t>(from)) * channels;
+      for (int x = from; x < to; ++x, r += channels) {
         double sum = 0;
         for (std::size_t c = 0; c < channels; ++c) sum += static_cast<double>(r[c]) * control[c];
-        q[x - left] = sum;
-      }
-      if (pixels_.weights.empty()) continue;
-      const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width);
-      for (int x = left; x < right; ++x) {
-        q[x - left] *= std::sqrt(static_cast<double>(pixels_.weights[pixel + static_cast<std::size_t>(x)]));
+        q[x] = sum;
       }
     }
   }
-
-  Vec2 place(int x, int y) const {
-    return pixels_.places[static_cast<std::size_t>(y) * static_cast<std::size_t>(pixels_.image->width) +
-                          static_cast<std::size_t>(x)];
-  }
-
-  bool any_moved(int y, int left, int right) const {
-    if (pixels_.places.empty()) return false;
-    for (int x = left; x < right; ++x) {
-      if (place(x, y) != Vec2{x + 0.5, y + 0.5}) return true;
-    }
-    return false;
-  }
-
-  double moved_row_sum(const Piece& piece, const PieceTerm& term, const ResidualRow& row, int y, int left,
-                       int right) const {
-    const auto& mesh = basis_.space().mesh();
-    double sum = 0;
-    for (int x = left; x < right; ++x) {
-      const Vec2 u = place(x, y);
-      double v = spline::tent_value(term.tent, u, spline::inward_direction(u, mesh.width, mesh.height));
-      if (v == 0) continue;
-      if (term.has_factor) v *= term.factor(u);
-      const auto i = static_cast<std::size_t>(x - left);
-      sum += v * (piece.weights[0](u) * row.q[0][i] + piece.weights[1](u) * row.q[1][i] +
-                  piece.weights[2](u) * row.q[2][i]);
-    }
-    return sum;
-  }
-
-  // Pixels whose places are farther away than this from their centres count at the rim of a config only.
-  static constexpr double kPlaceMargin = 4;
 
   const spline::Basis& basis_;
   const Pixels& pixels_;
   const ColourFit& fit_;
   std::vector<Directions> directions_;
+  spline::Places places_;
+  std::vector<float> weighted_;  ///< residual times weight
+  std::vector<double> centres_;  ///< x of the pixels of a row
 };
 
 }  // namespace

@@ -1,8 +1,10 @@
 #include "fit/normal_equations.h"
 
 #include <algorithm>
+#include <array>
 #include <numeric>
 
+#include "base/multiversion.h"
 #include "knotreel/base/parallel.h"
 
 namespace knotreel::fit {
@@ -87,23 +89,65 @@ class BoxIndex {
   std::vector<FunctionIndex> entries_;
 };
 
+/// Weights of pixels, with quick answers where all are 1.
+class Weights {
+ public:
+  Weights(std::span<const float> weights, int width) : weights_(weights), width_(std::size_t(width)) {
+    if (weights_.empty()) return;
+    special_.assign(weights_.size() + 1, 0);
+    for (std::size_t i = 0; i < weights_.size(); ++i) special_[i + 1] = special_[i] + (weights_[i] != 1.0F);
+  }
+
+  /// Weights of pixels [from, to) of a row, or null if they are all 1.
+  const float* row(std::int32_t y, std::int32_t from, std::int32_t to) const {
+    if (weights_.empty()) return nullptr;
+    const std::size_t start = static_cast<std::size_t>(y) * width_;
+    const std::size_t first = start + static_cast<std::size_t>(from);
+    return special_[start + static_cast<std::size_t>(to)] == special_[first] ? nullptr
+                                                                             : weights_.data() + first;
+  }
+
+ private:
+  std::span<const float> weights_;
+  std::size_t width_;
+  std::vector<std::uint32_t> special_;
+};
+
+/// Sum of w u v over n pixels, or of u v if w is null. Four sums side by side: the order is fixed, whatever
+/// the vector width.
+[[gnu::always_inline]] inline void add_products(const double* __restrict u, const double* __restrict v,
+                                                const float* __restrict w, std::int32_t n,
+                                                double* __restrict sums) {
+  std::int32_t i = 0;
+  if (w == nullptr) {
+    for (; i + 4 <= n; i += 4) {
+      for (std::int32_t l = 0; l < 4; ++l) sums[l] += u[i + l] * v[i + l];
+    }
+    for (std::int32_t l = 0; i < n; ++i, ++l) sums[l] += u[i] * v[i];
+  } else {
+    for (; i < n; ++i) sums[0] += static_cast<double>(w[i]) * u[i] * v[i];
+  }
+}
+
 /// Sum of the products of two functions over all pixels.
-double product(const GridValues& grid, FunctionIndex f, FunctionIndex g) {
+KNOTREEL_MULTIVERSION
+double product(const GridValues& grid, const Weights& weights, FunctionIndex f, FunctionIndex g) {
   const auto a = grid.rows_of(f);
   const auto b = grid.rows_of(g);
   const std::int32_t top = std::max(a.front().y, b.front().y);
   const std::int32_t bottom = std::min(a.back().y, b.back().y) + 1;
-  double sum = 0;
+  double sums[4] = {};
   for (std::int32_t y = top; y < bottom; ++y) {
     const GridValues::Row& p = a[static_cast<std::size_t>(y - a.front().y)];
     const GridValues::Row& q = b[static_cast<std::size_t>(y - b.front().y)];
     const std::int32_t from = std::max(p.x_begin, q.x_begin);
     const std::int32_t to = std::min(p.x_end, q.x_end);
-    const double* u = grid.values.data() + p.offset + (from - p.x_begin);
-    const double* v = grid.values.data() + q.offset + (from - q.x_begin);
-    for (std::int32_t i = 0; i < to - from; ++i) sum += u[i] * v[i];
+    if (from >= to) continue;
+    add_products(grid.values.data() + p.offset + (from - p.x_begin),
+                 grid.values.data() + q.offset + (from - q.x_begin), weights.row(y, from, to), to - from,
+                 sums);
   }
-  return sum;
+  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
 }
 
 struct Entry {
@@ -111,27 +155,23 @@ struct Entry {
   double value;
 };
 
-/// Column f of the lower triangle of A^T A, and row f of A^T b, for one band.
-void add_function(const PixelValues& values, const GridValues& grid, const BoxIndex& index, FunctionIndex f,
-                  std::vector<Entry>& column, Eigen::MatrixXd& right) {
-  thread_local std::vector<FunctionIndex> neighbours;
-  index.later_neighbours(f, neighbours);
-  for (const FunctionIndex g : neighbours) {
-    const double sum = product(grid, f, g);
-    if (sum != 0) column.push_back({g, sum});
-  }
-  const image::Image& image = values.image();
-  const bool weighted = !values.pixels().weights.empty();
+/// Row f of A^T W b for one band.
+void add_right(const GridValues& grid, const Weights& weights, const image::Image& target, FunctionIndex f,
+               Eigen::MatrixXd& right) {
+  const auto channels = static_cast<std::size_t>(target.channels);
+  std::array<double, 4> sum{};
   for (const GridValues::Row& row : grid.rows_of(f)) {
-    const float* pixels = image.row(row.y).data();
-    for (std::int32_t x = row.x_begin; x < row.x_end; ++x) {
-      double v = grid.values[row.offset + static_cast<std::size_t>(x - row.x_begin)];
-      if (weighted) v *= values.root_weight(x, row.y);
-      for (int c = 0; c < image.channels; ++c) {
-        right(static_cast<Eigen::Index>(f), c) += v * static_cast<double>(pixels[x * image.channels + c]);
-      }
+    if (row.x_begin >= row.x_end) continue;
+    const double* v = grid.values.data() + row.offset;
+    const float* w = weights.row(row.y, row.x_begin, row.x_end);
+    const float* pixel = target.row(row.y).data() + static_cast<std::size_t>(row.x_begin) * channels;
+    for (std::int32_t i = 0; i < row.x_end - row.x_begin; ++i, pixel += channels) {
+      const double weighted = w == nullptr ? v[i] : v[i] * static_cast<double>(w[i]);
+      for (std::size_t c = 0; c < channels; ++c) sum[c] += weighted * static_cast<double>(pixel[c]);
     }
   }
+  for (std::size_t c = 0; c < channels; ++c)
+    right(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(c)) += sum[c];
 }
 
 Eigen::SparseMatrix<double> to_matrix(const std::vector<std::vector<Entry>>& columns) {
@@ -152,24 +192,36 @@ Eigen::SparseMatrix<double> to_matrix(const std::vector<std::vector<Entry>>& col
 
 }  // namespace
 
-NormalEquations assemble(const PixelValues& values) {
+NormalEquations assemble(const PixelValues& values, const image::Image& target,
+                         std::span<const float> weights, std::span<const std::uint8_t> active) {
   const std::size_t functions = values.basis().space().function_count();
   const auto n = static_cast<Eigen::Index>(functions);
+  const Weights table(weights, values.width());
   NormalEquations normal;
-  normal.right.setZero(n, values.image().channels);
+  normal.right.setZero(n, target.channels);
   normal.matrix.resize(n, n);
   values.for_bands([&](const GridValues& grid, int, int) {
-    const std::vector<Box> boxes = boxes_of(grid);
-    const BoxIndex index(boxes, values.image().width, values.image().height);
+    std::vector<Box> boxes = boxes_of(grid);
+    for (std::size_t f = 0; f < active.size(); ++f) {
+      if (!active[f]) boxes[f] = {};
+    }
+    const BoxIndex index(boxes, values.width(), values.height());
     std::vector<std::vector<Entry>> columns(functions);
     constexpr std::size_t kBlock = 64;
     parallel_for((functions + kBlock - 1) / kBlock, [&](std::size_t block) {
-      for (std::size_t f = block * kBlock; f < std::min(functions, (block + 1) * kBlock); ++f) {
-        add_function(values, grid, index, static_cast<FunctionIndex>(f), columns[f], normal.right);
-        // The diagonal is always there, so that a ridge has a place.
-        if (columns[f].empty() || columns[f].front().row != f) {
-          columns[f].insert(columns[f].begin(), {static_cast<FunctionIndex>(f), 0.0});
+      std::vector<FunctionIndex> neighbours;
+      for (std::size_t i = block * kBlock; i < std::min(functions, (block + 1) * kBlock); ++i) {
+        const auto f = static_cast<FunctionIndex>(i);
+        if (boxes[f].empty()) {
+          columns[f].push_back({f, 0.0});
+          continue;
         }
+        index.later_neighbours(f, neighbours);
+        for (const FunctionIndex g : neighbours) {
+          const double sum = product(grid, table, f, g);
+          if (sum != 0 || g == f) columns[f].push_back({g, sum});
+        }
+        add_right(grid, table, target, f, normal.right);
       }
     });
     const Eigen::SparseMatrix<double> band = to_matrix(columns);

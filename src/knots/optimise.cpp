@@ -5,6 +5,8 @@
 #include <deque>
 #include <numbers>
 
+#include "knotreel/base/parallel.h"
+
 namespace knotreel::knots {
 
 namespace {
@@ -126,6 +128,24 @@ bool well_shaped(const EditableMesh& mesh, KnotIndex k, const std::vector<FaceIn
          keeps_distance(mesh, k, ring, options.min_distance);
 }
 
+/// One step of Eq. 9 for one knot, halved while it would flip a face or raise the energy.
+void descend_knot(EditableMesh& mesh, const Target& target, const OptimiseOptions& options, KnotIndex knot,
+                  double share) {
+  thread_local std::vector<FaceIndex> ring;
+  mesh.faces_around(knot, ring);
+  const Vec2 old = mesh.position(knot);
+  const Vec2 direction = mesh.projected(knot, old - ring_gradient(mesh, target, knot, ring)) - old;
+  const double length = norm(direction);
+  if (!(length > 1e-9)) return;
+  const double before = ring_energy(mesh, target, ring);
+  double step = share * shortest_edge(mesh, knot, ring);
+  for (int attempt = 0; attempt < 3; ++attempt, step /= 2) {
+    if (!mesh.move(knot, old + (step / length) * direction)) continue;
+    if (well_shaped(mesh, knot, ring, options) && ring_energy(mesh, target, ring) < before) return;
+    mesh.move(knot, old);
+  }
+}
+
 }  // namespace
 
 double linear_energy(const EditableMesh& mesh, const Target& target) {
@@ -142,24 +162,41 @@ Vec2 energy_gradient(const EditableMesh& mesh, const Target& target, KnotIndex k
   return ring_gradient(mesh, target, knot, ring);
 }
 
-void descend_positions(EditableMesh& mesh, const Target& target, const OptimiseOptions& options,
-                       const std::vector<KnotIndex>& knots, int k) {
-  const double share = options.alpha * std::exp2(-static_cast<double>(k) / (options.steps - k));
+std::vector<std::vector<KnotIndex>> independent_knots(const EditableMesh& mesh,
+                                                      const std::vector<KnotIndex>& knots) {
+  std::vector<int> colour(mesh.knot_slots(), -1);
+  std::vector<std::vector<KnotIndex>> classes;
   std::vector<FaceIndex> ring;
-  for (const KnotIndex knot : knots) {
-    if (mesh.knot(knot).kind == KnotKind::kVertex) continue;
-    mesh.faces_around(knot, ring);
-    const Vec2 old = mesh.position(knot);
-    const Vec2 gradient = mesh.projected(knot, old - ring_gradient(mesh, target, knot, ring)) - old;
-    const double length = norm(gradient);
-    if (!(length > 1e-9)) continue;
-    const double before = ring_energy(mesh, target, ring);
-    double step = share * shortest_edge(mesh, knot, ring);
-    for (int attempt = 0; attempt < 3; ++attempt, step /= 2) {
-      if (!mesh.move(knot, old + (step / length) * gradient)) continue;
-      if (well_shaped(mesh, knot, ring, options) && ring_energy(mesh, target, ring) < before) break;
-      mesh.move(knot, old);
+  for (const KnotIndex k : knots) {
+    if (mesh.knot(k).kind == KnotKind::kVertex) continue;
+    mesh.faces_around(k, ring);
+    std::uint64_t taken = 0;
+    for (const FaceIndex f : ring) {
+      for (const KnotIndex j : mesh.face(f)) {
+        if (colour[j] >= 0) taken |= std::uint64_t{1} << std::min(63, colour[j]);
+      }
     }
+    int c = 0;
+    while (c < 63 && (taken >> c & 1) != 0) ++c;
+    if (c == 63) continue;  // such a crowd of neighbours has no place to go anyway
+    colour[k] = c;
+    if (classes.size() <= static_cast<std::size_t>(c)) classes.emplace_back();
+    classes[static_cast<std::size_t>(c)].push_back(k);
+  }
+  return classes;
+}
+
+void descend_positions(EditableMesh& mesh, const Target& target, const OptimiseOptions& options,
+                       const std::vector<std::vector<KnotIndex>>& classes, int k) {
+  const double share = options.alpha * std::exp2(-static_cast<double>(k) / (options.steps - k));
+  for (const std::vector<KnotIndex>& knots : classes) {
+    // No two of them are neighbours, so their moves do not touch each other's faces.
+    constexpr std::size_t kBlock = 32;
+    parallel_for((knots.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+      for (std::size_t i = block * kBlock; i < std::min(knots.size(), (block + 1) * kBlock); ++i) {
+        descend_knot(mesh, target, options, knots[i], share);
+      }
+    });
   }
 }
 
@@ -243,7 +280,8 @@ void optimise(EditableMesh& mesh, const Target& target, const OptimiseOptions& o
   std::vector<FaceIndex> ring;
   for (int round = 0; round < options.rounds; ++round) {
     if (options.positions) {
-      for (int k = 0; k < options.steps; ++k) descend_positions(mesh, target, options, knots, k);
+      const auto classes = independent_knots(mesh, knots);
+      for (int k = 0; k < options.steps; ++k) descend_positions(mesh, target, options, classes, k);
     }
     if (options.connectivity) {
       std::vector<bool> seen(mesh.face_slots(), false);

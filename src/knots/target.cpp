@@ -14,17 +14,13 @@ namespace {
 // Slots of the prefix sums; after kSquares come c and x c for each channel.
 enum Slot : std::size_t { kW, kX, kXX, kSquares, kColour };
 
-/// The first pixel whose centre is at or right of x.
-int first_column(double x) {
-  return static_cast<int>(std::ceil(x - 0.5));
-}
-
 /// Draws slopes that few pixels decide towards zero: this many pixels at distance one say that there is none.
 constexpr double kSlopeRidge = 1.0;
 
 /// Sums of one triangle with C channels.
 template <std::size_t C>
-Moments sum_rows(const TriangleRows& rows, const double* prefix, std::size_t row_size) {
+[[gnu::always_inline]] inline Moments sum_rows(const TriangleRows& rows, const double* prefix,
+                                               std::size_t row_size) {
   constexpr std::size_t kStride = 4 + 2 * C;
   double sum[kStride] = {};
   double y_sum[kStride] = {};
@@ -84,8 +80,8 @@ TriangleRows::TriangleRows(const std::array<Vec2, 3>& triangle, int width, int h
   if (before(p[1], p[0])) std::swap(p[0], p[1]);
   if (before(p[2], p[1])) std::swap(p[1], p[2]);
   if (before(p[1], p[0])) std::swap(p[0], p[1]);
-  first_ = std::max(0, first_column(p[0].y));
-  last_ = std::min(height, first_column(p[2].y));
+  first_ = std::max(0, TriangleRows::first_centre(p[0].y));
+  last_ = std::min(height, TriangleRows::first_centre(p[2].y));
   const auto line = [](Vec2 a, Vec2 b) {
     return Line{a.x, a.y, b.y > a.y ? (b.x - a.x) / (b.y - a.y) : 0.0, b.y};
   };
@@ -93,14 +89,6 @@ TriangleRows::TriangleRows(const std::array<Vec2, 3>& triangle, int width, int h
   upper_ = line(p[0], p[1]);
   lower_ = line(p[1], p[2]);
   long_is_left_ = cross(p[2] - p[0], p[1] - p[0]) < 0;
-}
-
-void TriangleRows::columns(int y, int& begin, int& end) const {
-  const double centre = y + 0.5;
-  const double across = cut(long_, centre);
-  const double other = cut(centre < upper_.y_end ? upper_ : lower_, centre);
-  begin = std::clamp(first_column(long_is_left_ ? across : other), 0, width_);
-  end = std::clamp(first_column(long_is_left_ ? other : across), begin, width_);
 }
 
 Target::Target(image::Image image, std::vector<float> weights)

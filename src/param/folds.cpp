@@ -1,6 +1,8 @@
 #include "param/folds.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <cstdint>
 
 #include "knotreel/base/parallel.h"
 #include "param/simplify.h"
@@ -24,19 +26,51 @@ bool is_folded(const FramedMesh& mesh, const FramedMesh::Layout& layout, const F
   return !on_features || area < kLeastFeatureArea;
 }
 
-std::vector<SiteIndex> sites_near(const Curves& curves, const std::vector<Fold>& folds, int radius,
-                                  bool in_parameter) {
-  std::vector<SiteIndex> near;
-  for (const Fold& f : folds) {
-    if (f.in_parameter != in_parameter) continue;
-    for (int y = std::max(0, f.y - radius); y <= std::min(curves.height - 1, f.y + 1 + radius); ++y) {
-      for (int x = std::max(0, f.x - radius); x <= std::min(curves.width - 1, f.x + 1 + radius); ++x) {
-        if (const SiteIndex s = curves.site_at(x, y); s != kNone) near.push_back(s);
+/// Counts of folds in boxes of squares. Sums over all folds and radii would take hours where a radius covers
+/// the picture and the folds do too.
+class FoldCounts {
+ public:
+  FoldCounts(const Curves& curves, const std::vector<Fold>& folds, bool in_parameter)
+      : columns_(curves.width + 1), rows_(curves.height + 1) {
+    sums_.assign(static_cast<std::size_t>(columns_ + 1) * static_cast<std::size_t>(rows_ + 1), 0);
+    for (const Fold& f : folds) {
+      if (f.in_parameter == in_parameter) ++sums_[index(f.x + 2, f.y + 2)];  // squares begin at -1
+    }
+    for (int y = 1; y <= rows_; ++y) {
+      for (int x = 1; x <= columns_; ++x) {
+        sums_[index(x, y)] += sums_[index(x - 1, y)] + sums_[index(x, y - 1)] - sums_[index(x - 1, y - 1)];
       }
     }
   }
-  std::sort(near.begin(), near.end());
-  near.erase(std::unique(near.begin(), near.end()), near.end());
+
+  /// Whether a fold has its square within a radius of a pixel.
+  bool any_near(int x, int y, int radius) const {
+    const int x0 = std::max(0, x - radius);
+    const int y0 = std::max(0, y - radius);
+    const int x1 = std::min(columns_, x + radius + 2);
+    const int y1 = std::min(rows_, y + radius + 2);
+    return sums_[index(x1, y1)] - sums_[index(x0, y1)] - sums_[index(x1, y0)] + sums_[index(x0, y0)] > 0;
+  }
+
+ private:
+  std::size_t index(int x, int y) const {
+    return static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_ + 1) + static_cast<std::size_t>(x);
+  }
+
+  int columns_;
+  int rows_;
+  std::vector<std::int64_t> sums_;
+};
+
+std::vector<SiteIndex> sites_near(const Curves& curves, const std::vector<Fold>& folds, int radius,
+                                  bool in_parameter) {
+  const FoldCounts counts(curves, folds, in_parameter);
+  std::vector<SiteIndex> near;
+  for (SiteIndex s = 0; s < curves.sites.size(); ++s) {
+    const Site& site = curves.sites[s];
+    if (site.pixel == kNoPixel || curves.at_pixel[static_cast<std::size_t>(site.pixel)] == kNone) continue;
+    if (counts.any_near(curves.x_of(site), curves.y_of(site), radius)) near.push_back(s);
+  }
   return near;
 }
 

@@ -1,6 +1,7 @@
 #include "knotreel/param/parametrized_image.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 
@@ -155,18 +156,19 @@ class Resampler {
     const int x = static_cast<int>(i % width);
     const int y = static_cast<int>(i / width);
     const auto channels = static_cast<std::size_t>(picture_.channels);
-    std::array<float, 4> sum{};
-    float count = 0;
+    std::vector<std::size_t> near;
     for (int ny = std::max(0, y - 1); ny <= std::min(picture_.height - 1, y + 1); ++ny) {
       for (int nx = std::max(0, x - 1); nx <= std::min(picture_.width - 1, x + 1); ++nx) {
-        const std::size_t n = index(nx, ny);
-        if (source_[n] == Source::kColourless) continue;
-        count += 1;
-        for (std::size_t ch = 0; ch < channels; ++ch) sum[ch] += out_.colours.samples[n * channels + ch];
+        if (source_[index(nx, ny)] != Source::kColourless) near.push_back(index(nx, ny));
       }
     }
-    if (count == 0) return false;
-    for (std::size_t ch = 0; ch < channels; ++ch) out_.colours.samples[i * channels + ch] = sum[ch] / count;
+    if (near.empty()) return false;
+    for (std::size_t ch = 0; ch < channels; ++ch) {
+      const float base = out_.colours.samples[near[0] * channels + ch];
+      float sum = 0;
+      for (const std::size_t n : near) sum += out_.colours.samples[n * channels + ch] - base;
+      out_.colours.samples[i * channels + ch] = base + sum / static_cast<float>(near.size());
+    }
     return true;
   }
 

@@ -5,6 +5,7 @@
 #include "base/multiversion.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/spline/basis.h"
+#include "spline/places.h"
 #include "spline/tent.h"
 
 /// Basis functions on a whole pixel grid, by spans: everything is linear along a row.
@@ -55,23 +56,16 @@ class Grid {
             clamped(std::floor((term.high.y + margin) / dy_ - 0.5) + 1)};
   }
 
-  /// Columns with centres within `margin` of the box of a term.
-  Reach columns_in_box(const PieceTerm& term, double margin) const {
-    const auto clamped = [&](double v) {
-      return static_cast<std::int32_t>(std::clamp(v, 0.0, static_cast<double>(columns_)));
-    };
-    return {clamped(std::ceil((term.low.x - margin) / dx_ - 0.5)),
-            clamped(std::floor((term.high.x + margin) / dx_ - 0.5) + 1)};
-  }
-
-  /// Columns of the support of a term in one row: exact at walls, a little generous at slopes, where the tent
+  /// Columns whose pixels may lie in the support of a term in one row, if they are at most `slack` from their
+  /// centres in each coordinate. Without slack: exact at walls, a little generous at slopes, where the tent
   /// is clamped at zero anyway.
-  Reach columns_of(const PieceTerm& term, std::int32_t row) const {
-    double low = term.low.x;
-    double high = term.high.x;
+  Reach columns_of(const PieceTerm& term, std::int32_t row, double slack) const {
+    double low = term.low.x - slack;
+    double high = term.high.x + slack;
     const auto clip = [&](const Affine& a) {
-      const Linear l = along_row(a, y(row));
+      Linear l = along_row(a, y(row));
       if (l.slope == 0) return;
+      l.offset += slack * (std::abs(a.nx) + std::abs(a.ny));
       const double zero = l.origin - l.offset / l.slope;
       if (l.slope > 0) low = std::max(low, zero);
       if (l.slope < 0) high = std::min(high, zero);
@@ -84,7 +78,7 @@ class Grid {
       return static_cast<std::int32_t>(std::clamp(v, 0.0, static_cast<double>(columns_)));
     };
     Reach reach{clamped(std::ceil(low / dx_ - 1.5)), clamped(std::floor(high / dx_ + 0.5) + 1)};
-    if (tent.wall_count == 0) return reach;
+    if (tent.wall_count == 0 || slack > 0) return reach;
     while (reach.begin < reach.end && !inside(tent, reach.begin, row)) ++reach.begin;
     while (reach.begin < reach.end && !inside(tent, reach.end - 1, row)) --reach.end;
     return reach;
@@ -184,84 +178,25 @@ RowTask make_task(const Piece& piece, const PieceTerm& term, double y) {
   return task;
 }
 
-/// Pixels with places of their own in the parametric domain, instead of their centres.
-class Places {
- public:
-  Places(const Grid& grid, int columns, int rows, std::span<const Vec2> places)
-      : columns_(columns), places_(places) {
-    if (places_.empty()) return;
-    const auto stride = static_cast<std::size_t>(columns) + 1;
-    moved_.assign(stride * (static_cast<std::size_t>(rows) + 1), 0);
-    for (int y = 0; y < rows; ++y) {
-      std::uint32_t in_row = 0;
-      for (int x = 0; x < columns; ++x) {
-        const Vec2 d = at(x, y) - Vec2{grid.x(x), grid.y(y)};
-        if (d.x != 0 || d.y != 0) {
-          ++in_row;
-          reach_ = std::max({reach_, std::abs(d.x), std::abs(d.y)});
-        }
-        const std::size_t i = (static_cast<std::size_t>(y) + 1) * stride + static_cast<std::size_t>(x) + 1;
-        moved_[i] = moved_[i - stride] + in_row;
-      }
-    }
-  }
-
-  Vec2 at(int x, int y) const {
-    return places_[static_cast<std::size_t>(y) * static_cast<std::size_t>(columns_) +
-                   static_cast<std::size_t>(x)];
-  }
-  /// Largest distance of a pixel from its place, by coordinate.
-  double reach() const { return reach_; }
-
-  /// Whether a pixel in the box of columns and rows, ends excluded, has a place of its own.
-  bool any_moved(Reach columns, Reach rows) const {
-    if (reach_ == 0 || columns.begin >= columns.end || rows.begin >= rows.end) return false;
-    const auto count = [&](std::int32_t x, std::int32_t y) {
-      return moved_[static_cast<std::size_t>(y) * (static_cast<std::size_t>(columns_) + 1) +
-                    static_cast<std::size_t>(x)];
-    };
-    return count(columns.end, rows.end) + count(columns.begin, rows.begin) !=
-           count(columns.begin, rows.end) + count(columns.end, rows.begin);
-  }
-
- private:
-  int columns_;
-  std::span<const Vec2> places_;
-  std::vector<std::uint32_t> moved_;  ///< summed-area table
-  double reach_ = 0;
-};
-
 /// Where every term reaches, row by row.
 struct Reaches {
   std::vector<std::size_t> begin;   ///< per term, into reaches
   std::vector<std::int32_t> first;  ///< first row per term
-  std::vector<std::uint8_t> moved;  ///< per term: some pixels near it are not at their centres
+  std::vector<float> slack;         ///< per term: how far pixels near it are from their centres
   std::vector<Reach> reaches;
 };
-
-/// Columns where a term is not zero in a row of pixels with places of their own.
-Reach moved_columns(const PieceTerm& term, const Grid& grid, const Places& places, Reach columns,
-                    std::int32_t row) {
-  const auto zero = [&](std::int32_t column) {
-    const Vec2 u = places.at(column, row);
-    return tent_value(term.tent, u, grid.inward(u)) == 0;
-  };
-  while (columns.begin < columns.end && zero(columns.begin)) ++columns.begin;
-  while (columns.begin < columns.end && zero(columns.end - 1)) --columns.end;
-  return columns;
-}
 
 Reaches find_reaches(const PieceSet& set, const Grid& grid, const Places& places) {
   const std::size_t terms = set.terms.size();
   Reaches r;
   r.begin.assign(terms + 1, 0);
   r.first.resize(terms);
-  r.moved.resize(terms);
+  r.slack.resize(terms);
   for (std::size_t t = 0; t < terms; ++t) {
-    Reach rows = grid.rows_of(set.terms[t], 0);
-    const Reach wide = grid.rows_of(set.terms[t], places.reach());
-    r.moved[t] = places.any_moved(grid.columns_in_box(set.terms[t], places.reach()), wide);
-    if (r.moved[t]) rows = wide;
+    const double slack = places.reach(set.terms[t].low, set.terms[t].high);
+    r.slack[t] = std::nextafter(static_cast<float>(slack), std::numeric_limits<float>::max());
+    if (slack == 0) r.slack[t] = 0;
+    const Reach rows = grid.rows_of(set.terms[t], static_cast<double>(r.slack[t]));
     r.first[t] = rows.begin;
     r.begin[t + 1] = r.begin[t] + static_cast<std::size_t>(std::max(0, rows.end - rows.begin));
   }
@@ -270,11 +205,10 @@ Reaches find_reaches(const PieceSet& set, const Grid& grid, const Places& places
   parallel_for((terms + kBlock - 1) / kBlock, [&](std::size_t block) {
     for (std::size_t t = block * kBlock; t < std::min(terms, (block + 1) * kBlock); ++t) {
       for (std::size_t i = r.begin[t]; i < r.begin[t + 1]; ++i) {
-        const PieceTerm& term = set.terms[t];
         const auto y = r.first[t] + static_cast<std::int32_t>(i - r.begin[t]);
-        r.reaches[i] = r.moved[t]
-                           ? moved_columns(term, grid, places, grid.columns_in_box(term, places.reach()), y)
-                           : grid.columns_of(term, y);
+        // Rows beside the support show up as empty or reversed.
+        const Reach reach = grid.columns_of(set.terms[t], y, static_cast<double>(r.slack[t]));
+        r.reaches[i] = {reach.begin, std::max(reach.begin, reach.end)};
       }
     }
   });
@@ -328,18 +262,88 @@ GridValues lay_out(const SplineSpace& space, const PieceSet& set, const Reaches&
   return grid;
 }
 
-/// Adds the values of one term in one row of pixels with places of their own.
-void add_moved_row(const Piece& piece, const PieceTerm& term, const std::array<double*, 3>& out,
-                   const Grid& grid, const Places& places, std::int32_t row, Reach reach) {
-  for (std::int32_t x = reach.begin; x < reach.end; ++x) {
-    const Vec2 u = places.at(x, row);
+/// Values of one term at n places with its three weights; the sign of a place exactly on a wall is left open.
+/// @return whether there was such a place.
+KNOTREEL_MULTIVERSION
+bool add_places(const Piece& piece, const PieceTerm& term, const std::array<double*, 3>& out,
+                const double* __restrict x, const double* __restrict y, std::int32_t n) {
+  // Missing slopes never rule, missing walls are far away.
+  constexpr Affine kHigh{0, 0, 0, 0};
+  std::array<Affine, 4> s{kHigh, kHigh, kHigh, kHigh};
+  std::array<double, 4> high{1e300, 1e300, 1e300, 1e300};
+  if (term.tent.slope_count == 0) high[0] = term.tent.constant;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.slope_count); ++i) {
+    s[i] = term.tent.slopes[i];
+    high[i] = 0;
+  }
+  std::array<Affine, 3> walls{kHigh, kHigh, kHigh};
+  std::array<double, 3> inside{1, 1, 1};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.wall_count); ++i) {
+    walls[i] = term.tent.walls[i];
+    inside[i] = 0;
+  }
+  const Affine factor = term.has_factor ? term.factor : kHigh;
+  const double plain = term.has_factor ? 0 : 1;
+  const std::array<Affine, 3> w = piece.weights;
+  // Degree 1: a point counts as inside the closed face, so a negative coordinate is the tolerance of a wall.
+  const double lowest = term.tent.slope_count == 0 ? 0 : -1e300;
+  double* __restrict out0 = out[0];
+  double* __restrict out1 = out[1];
+  double* __restrict out2 = out[2];
+  double nearest = 1;
+  for (std::int32_t i = 0; i < n; ++i) {
+    const double ux = x[i];
+    const double uy = y[i];
+    const auto value = [&](const Affine& a) { return a.nx * (ux - a.px) + a.ny * (uy - a.py); };
+    const double v0 = value(s[0]) + high[0];
+    const double v1 = value(s[1]) + high[1];
+    const double v2 = value(s[2]) + high[2];
+    const double v3 = value(s[3]) + high[3];
+    const double a = v1 < v0 ? v1 : v0;
+    const double b = v3 < v2 ? v3 : v2;
+    double v = b < a ? b : a;
+    v = v > 0 ? v : 0;
+    const double d0 = value(walls[0]) + inside[0];
+    const double d1 = value(walls[1]) + inside[1];
+    const double d2 = value(walls[2]) + inside[2];
+    const double d01 = d1 < d0 ? d1 : d0;
+    const double d = d2 < d01 ? d2 : d01;
+    v = d > 0 ? v : 0;
+    const double distance = d < 0 ? -d : d;
+    nearest = distance < nearest ? distance : nearest;
+    v *= value(factor) + plain;
+    const double w0 = value(w[0]);
+    const double w1 = value(w[1]);
+    const double w2 = value(w[2]);
+    out0[i] += v * (w0 < lowest ? lowest : w0);
+    out1[i] += v * (w1 < lowest ? lowest : w1);
+    out2[i] += v * (w2 < lowest ? lowest : w2);
+  }
+  return nearest <= kOnWall;
+}
+
+/// The same with places on walls on their proper sides, one by one.
+void add_places_one_by_one(const Piece& piece, const PieceTerm& term, const std::array<double*, 3>& out,
+                           const Grid& grid, const double* x, const double* y, std::int32_t n) {
+  for (std::int32_t i = 0; i < n; ++i) {
+    const Vec2 u{x[i], y[i]};
     double v = tent_value(term.tent, u, grid.inward(u));
     if (v == 0) continue;
     if (term.has_factor) v *= term.factor(u);
-    // Degree 1: u counts as inside the closed face, so a negative coordinate is the tolerance of a wall.
     const double lowest = term.tent.slope_count == 0 ? 0 : -std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < 3; ++i) out[i][x - reach.begin] += v * std::max(piece.weights[i](u), lowest);
+    for (std::size_t k = 0; k < 3; ++k) out[k][i] += v * std::max(piece.weights[k](u), lowest);
   }
+}
+
+void add_moved_row(const Piece& piece, const PieceTerm& term, const std::array<double*, 3>& out,
+                   const Grid& grid, const double* x, const double* y, std::int32_t n) {
+  thread_local std::array<std::vector<double>, 3> before;
+  if (term.tent.wall_count > 0) {
+    for (std::size_t k = 0; k < 3; ++k) before[k].assign(out[k], out[k] + n);
+  }
+  if (!add_places(piece, term, out, x, y, n) || term.tent.wall_count == 0) return;
+  for (std::size_t k = 0; k < 3; ++k) std::copy_n(before[k].begin(), n, out[k]);
+  add_places_one_by_one(piece, term, out, grid, x, y, n);
 }
 
 /// Adds up all terms in the rows [begin, end).
@@ -366,8 +370,9 @@ void add_rows(const PieceSet& set, const Reaches& reaches, const Grid& grid, con
           out[v] = result.values.data() + row.offset + (reach.begin - row.x_begin);
         }
         const PieceTerm& term = set.terms[t];
-        if (reaches.moved[t]) {
-          add_moved_row(piece, term, out, grid, places, y, reach);
+        if (reaches.slack[t] > 0) {
+          add_moved_row(piece, term, out, grid, places.x(y) + reach.begin, places.y(y) + reach.begin,
+                        reach.end - reach.begin);
         } else {
           RowTask task = make_task(piece, term, grid.y(y));
           task.out = out;
@@ -391,7 +396,7 @@ GridValues Basis::evaluate_grid_rows(int columns, int rows, int row_begin, int r
 GridValues Basis::evaluate_pixels(int columns, int rows, std::span<const Vec2> places, int row_begin,
                                   int row_end) const {
   const Grid grid(*space_, columns, rows, row_begin, row_end);
-  const Places moved(grid, columns, rows, places);
+  const Places moved(columns, rows, space_->mesh().width / columns, space_->mesh().height / rows, places);
   const Reaches reaches = find_reaches(pieces_, grid, moved);
   GridValues result = lay_out(*space_, pieces_, reaches, columns);
   std::vector<double> x(static_cast<std::size_t>(columns));

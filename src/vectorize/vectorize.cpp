@@ -25,6 +25,8 @@ using mesh::KnotIndex;
 
 // Share of the control points that the first round may use; the rest is for refinement.
 constexpr double kFirstShare = 0.8;
+// Share of the control points that features may use up, before any knot is put between them.
+constexpr double kFeatureShare = 0.5;
 // Piecewise linear functions need more knots for the same error than the splines over the same knots.
 constexpr double kLinearSlack = 1.3;
 // Weight of pixels that a feature crosses.
@@ -72,7 +74,7 @@ class Run {
   Vectorization run() {
     begin_round("round 1");
     if (options_.features) find_features();
-    parametrize();
+    map_features();
     place_knots();
     fit();
     end_round();
@@ -163,7 +165,11 @@ class Run {
     for (const auto& c : chains_.chains) report_.feature_pixels += c.points.size();
     lap("detect");
     show("features");
-    if (chains_.chains.empty()) return;
+    if (!chains_.chains.empty()) prepare_features();
+  }
+
+  /// Curves and colours for the chains that there are.
+  void prepare_features() {
     faired_ = chains_;
     if (options_.fairing) features::fair_chains(faired_, options_.fair);
     progress_.faired = &faired_;
@@ -180,27 +186,65 @@ class Run {
   bool has_features() const { return !faired_.chains.empty(); }
   const image::Image& colours() const { return has_features() ? corrected_ : picture_; }
 
+  /// Features, parametrization and the knots on the features, within their share of the control points.
+  void map_features() {
+    for (;;) {
+      parametrize();
+      if (!has_features()) break;
+      const double functions = estimated_functions(EditableMesh(start_mesh_), options_.degree);
+      const double allowed = kFeatureShare * static_cast<double>(max_functions_);
+      if (functions <= allowed) break;
+      keep_longest(0.9 * allowed / functions);
+      faired_ = {};
+      if (!chains_.chains.empty()) prepare_features();
+    }
+    make_target();
+  }
+
+  /// Drops the shortest chains, until at most this share of the feature pixels is left; at least one chain.
+  void keep_longest(double share) {
+    auto& chains = chains_.chains;
+    std::stable_sort(chains.begin(), chains.end(), [](const features::Chain& a, const features::Chain& b) {
+      return a.points.size() > b.points.size();
+    });
+    std::size_t pixels = 0;
+    for (const auto& c : chains) pixels += c.points.size();
+    const double allowed = share * static_cast<double>(pixels);
+    std::size_t kept = 0;
+    std::size_t count = 0;
+    while (count < chains.size() && static_cast<double>(kept + chains[count].points.size()) <= allowed) {
+      kept += chains[count++].points.size();
+    }
+    report_.chains_over_budget += chains.size() - count;
+    chains.resize(count);
+  }
+
   void parametrize() {
-    if (has_features()) {
-      image_mesh_ = features::make_image_mesh(faired_);
-      progress_.image_mesh = &image_mesh_;
-      param::ParametrizeReport report;
-      parametrization_ = param::parametrize(faired_, image_mesh_, options_.parametrize, &report);
-      report_.folds_left = report.folds_left;
-      report_.polyline_vertices = parametrization_.vertices.size();
-      progress_.parametrization = &parametrization_;
-      lap("parametrize");
-      show("parametrization");
-    } else {
+    if (!has_features()) {
+      parametrization_ = {};
       parametrization_.width = picture_.width;
       parametrization_.height = picture_.height;
+      start_mesh_ = initial_mesh(parametrization_, options_.segment_knot_spacing);
+      return;
     }
+    image_mesh_ = features::make_image_mesh(faired_);
+    progress_.image_mesh = &image_mesh_;
+    param::ParametrizeReport report;
+    parametrization_ = param::parametrize(faired_, image_mesh_, options_.parametrize, &report);
+    report_.folds_left = report.folds_left;
+    report_.polyline_vertices = parametrization_.vertices.size();
+    progress_.parametrization = &parametrization_;
+    lap("parametrize");
+    show("parametrization");
     try {
       start_mesh_ = initial_mesh(parametrization_, options_.segment_knot_spacing);
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::kInvalidArgument || parametrization_.polylines.empty()) throw;
       drop_features();
     }
+  }
+
+  void make_target() {
     if (has_features()) {
       auto image = param::parametrized_image(corrected_, faired_, image_mesh_, parametrization_);
       target_ = std::make_unique<knots::Target>(std::move(image.colours), std::move(image.weights));
@@ -215,33 +259,37 @@ class Run {
   void drop_features() {
     report_.features_dropped = true;
     faired_ = {};
-    parametrization_ = {};
-    parametrization_.width = picture_.width;
-    parametrization_.height = picture_.height;
-    start_mesh_ = initial_mesh(parametrization_, options_.segment_knot_spacing);
+    parametrize();
   }
 
   /// Pixel centres in the domain as the parametrization has them, and the pixels that features cross.
   void place_pixels() {
     const std::size_t n = picture_.pixel_count();
     places_.resize(n);
-    on_feature_.assign(n, 0);
     for (std::size_t i = 0; i < n; ++i) {
       const Vec2 centre{static_cast<double>(i % std::size_t(picture_.width)) + 0.5,
                         static_cast<double>(i / std::size_t(picture_.width)) + 0.5};
-      const Vec2 u = parametrization_.parameter[i] + (centre - parametrization_.position[i]);
+      const Vec2 shift = parametrization_.parameter[i] - parametrization_.position[i];
+      const Vec2 u = centre + shift;
       places_[i] = {std::clamp(u.x, 0.0, double(picture_.width)),
                     std::clamp(u.y, 0.0, double(picture_.height))};
     }
     weights_.assign(n, 1.0F);
     std::vector<std::uint8_t> crossed(n, 0);
     for (const param::CurveSample& s : parametrization_.curve_samples) {
-      if (s.pixel != param::kNoPixel) on_feature_[static_cast<std::size_t>(s.pixel)] = 1;
+      curves_.push_back({parameter_of(s), s.position});
       const int x = std::clamp(static_cast<int>(s.position.x), 0, picture_.width - 1);
       const int y = std::clamp(static_cast<int>(s.position.y), 0, picture_.height - 1);
       crossed[std::size_t(y) * std::size_t(picture_.width) + std::size_t(x)] = 1;
     }
     weigh(crossed, start_mesh_);
+  }
+
+  Vec2 parameter_of(const param::CurveSample& s) const {
+    const param::Polyline& line = parametrization_.polylines[s.polyline];
+    const Vec2 a = parametrization_.vertices[line.vertices[s.segment]].position;
+    const Vec2 b = parametrization_.vertices[line.vertices[(s.segment + 1) % line.vertices.size()]].position;
+    return a + s.t * (b - a);
   }
 
   /// Pixels that features cross count little, with the colour of their side: enough to keep the surface from
@@ -289,7 +337,7 @@ class Run {
     const double wanted = (budget - used) / per_knot;
     if (wanted < 1) return false;
     knots::RefineOptions refine;
-    refine.max_knots = static_cast<std::size_t>(wanted);
+    refine.max_knots = static_cast<std::size_t>(0.98 * wanted);
     refine.min_distance = options_.optimise.min_distance;
     mesh_ = std::make_unique<EditableMesh>(surface_.space->mesh());
     const std::vector<KnotIndex> inserted =
@@ -339,44 +387,45 @@ class Run {
 
   fit::Pixels pixels() const { return {.image = &colours(), .weights = weights_, .places = places_}; }
 
-  void fit() {
+  void make_space() {
     mesh::KnotMesh mesh = mesh_->to_mesh();
     surface_.space = options_.picture_links
                          ? std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree,
                                                                        knots::picture_links(*target_))
                          : std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree);
+  }
+
+  /// Takes away the knots inserted last until the bound on the control points holds.
+  void keep_bound() {
+    while (surface_.space->function_count() > max_functions_) {
+      const std::size_t excess = surface_.space->function_count() - max_functions_;
+      std::size_t left = excess / 3 + 1;
+      for (std::size_t k = mesh_->knot_slots(); k-- > 0 && left > 0;) {
+        if (mesh_->is_knot(static_cast<KnotIndex>(k)) && mesh_->remove(static_cast<KnotIndex>(k))) --left;
+      }
+      if (left > excess / 3) return;  // no free knot is left
+      make_space();
+    }
+  }
+
+  void fit() {
+    make_space();
+    keep_bound();
     lap("links");
     const spline::Basis basis(surface_.space);
-    fit_geometry(basis);
-    surface_.fit = fit::fit_colours(basis, pixels(), options_.colour);
+    const fit::PixelValues values(basis, picture_.width, picture_.height, places_);
+    lap("basis");
+    fit_geometry(values);
+    surface_.fit = fit::fit_colours(values, pixels(), options_.colour);
     lap("colours");
   }
 
-  void fit_geometry(const spline::Basis& basis) {
+  void fit_geometry(const fit::PixelValues& values) {
     displacement_.assign(surface_.space->geometry_count(), Vec2{});
     if (!has_features()) return;
-    const fit::GeometrySamples samples{picture_.width, picture_.height, parametrization_.parameter,
-                                       parametrization_.position, on_feature_};
-    displacement_ = fit::fit_geometry(basis, samples, options_.geometry);
-    measure_geometry(basis);
+    displacement_ = fit::fit_geometry(values, places_, curves_, options_.geometry);
+    meg_ = fit::geometry_error(values.basis(), displacement_, curves_);
     lap("geometry");
-  }
-
-  /// MEG over the feature curves.
-  void measure_geometry(const spline::Basis& basis) {
-    std::vector<spline::BasisValue> values;
-    double sum = 0;
-    std::size_t count = 0;
-    for (std::size_t i = 0; i < on_feature_.size(); ++i) {
-      if (!on_feature_[i]) continue;
-      Vec2 at = parametrization_.parameter[i];
-      basis.evaluate(at, values);
-      for (const auto& v : values)
-        at = at + v.value * displacement_[surface_.space->geometry_of()[v.function]];
-      sum += norm(at - parametrization_.position[i]);
-      ++count;
-    }
-    meg_ = count > 0 ? sum / static_cast<double>(count) : 0;
   }
 
   void descend() {
@@ -392,12 +441,15 @@ class Run {
   void finish() {
     if (!has_features()) return;
     const spline::Basis basis(surface_.space);
-    fit_geometry(basis);
-    fit::PixelPlaces exact =
-        fit::invert_geometry(basis, displacement_, picture_.width, picture_.height, places_);
+    {
+      const fit::PixelValues values(basis, picture_.width, picture_.height, places_);
+      lap("basis");
+      fit_geometry(values);
+      fit::PixelPlaces exact = fit::invert_geometry(values, displacement_, places_);
+      places_ = std::move(exact.places);
+      weigh(exact.crossed, surface_.space->mesh());
+    }
     lap("invert");
-    places_ = std::move(exact.places);
-    weigh(exact.crossed, surface_.space->mesh());
     surface_.fit = fit::fit_colours(basis, pixels(), options_.colour);
     lap("colours");
   }
@@ -417,7 +469,7 @@ class Run {
   param::Parametrization parametrization_;
   std::vector<Vec2> places_;    ///< empty without features
   std::vector<float> weights_;  ///< empty without features
-  std::vector<std::uint8_t> on_feature_;
+  std::vector<fit::CurvePoint> curves_;
 
   std::unique_ptr<knots::Target> target_;
   mesh::KnotMesh start_mesh_;

@@ -8,11 +8,15 @@ namespace knotreel::features {
 /// What is a feature. Gradients are those of the smoothed picture, in levels of 0..255 per pixel, of the
 /// channel that changes most; colours count by their alpha, and alpha is a channel too.
 struct DetectOptions {
-  double smoothing = 1.0;        ///< Gaussian sigma before gradients, px; >= 0, at most 10
-  double edge_threshold = 6;     ///< below this gradient nothing is an edge; > 0
-  double anchor_threshold = 16;  ///< each chain has a place with at least this gradient (hysteresis)
-  double min_length = 16;        ///< px; chains with fewer points are dropped, but not links of two junctions
-  double max_blur = 4;           ///< px; softer edges are left to the smooth spline; 0: off
+  double smoothing = 1.0;        ///< Gaussian sigma before gradients, px; 0..10
+  double edge_threshold = 5;     ///< below this gradient nothing is an edge; > 0
+  double anchor_threshold = 10;  ///< each chain has a place with at least this gradient (hysteresis)
+  double min_length = 16;        ///< points; shorter chains are dropped, but not links of two junctions
+  /// Levels. Chains whose gradients, summed over their points, are less are dropped, and links of two
+  /// junctions below half of it. So short chains have to be strong, and weak ones long: that is what tells
+  /// contours from texture.
+  double min_weight = 600;
+  double max_blur = 3;               ///< px; softer edges are left to the smooth spline; 0: off
   bool euclidean_magnitude = false;  ///< sqrt(Gx^2 + Gy^2) of [Topal12] in place of max(|Gx|, |Gy|)
 };
 
@@ -24,7 +28,7 @@ struct DetectOptions {
 /// at the sides are only ever ends of chains. The width of an edge, for max_blur, is its contrast (within 4
 /// px on either side) over its steepest step: about 2.5 sigma for a step blurred by a Gaussian. Ties go to
 /// the smaller row, then column.
-/// @param image any size; no chains in pictures below 4 pixels across
+/// @param image any size, small ones have no chains
 /// @throws Error{kInvalidArgument} for options out of range or a picture whose shape does not fit its
 /// samples. Safe to call from several threads; equal input gives equal bits for any thread count.
 FeatureChains detect_features(const image::Image& image, const DetectOptions& options = {});

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "knotreel/fit/pixel_values.h"
 #include "knotreel/fit/pixels.h"
 #include "knotreel/spline/basis.h"
 
@@ -18,10 +19,9 @@ struct ColourFitOptions {
 struct ColourFit {
   /// Control points, function by function, channels interleaved as in the image, scale 0..255, not clamped.
   std::vector<double> control;
-  /// Picture minus surface at the pixels, times the square root of their weights; row-major, channels
-  /// interleaved.
+  /// Picture minus surface at the pixels, whatever their weights; row-major, channels interleaved.
   std::vector<float> residual;
-  double squared_error = 0;  ///< sum of the squares of the residual
+  double squared_error = 0;  ///< sum of the weighted squares of the residual
 };
 
 /// Least-squares fit of the colours (paper sec. 7.3, Eq. 13).
@@ -30,5 +30,8 @@ struct ColourFit {
 /// Work is spread over all threads allowed; the result does not depend on their number. Memory: at most
 /// about 300 MB for the basis functions of a band of rows, and the factor of the normal equations.
 ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const ColourFitOptions& options = {});
+
+/// The same with the values of the basis functions at pixels.places, which may serve other fits too.
+ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const ColourFitOptions& options = {});
 
 }  // namespace knotreel::fit

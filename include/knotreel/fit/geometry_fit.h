@@ -4,31 +4,36 @@
 #include <span>
 #include <vector>
 
-#include "knotreel/spline/basis.h"
+#include "knotreel/fit/pixel_values.h"
 
 namespace knotreel::fit {
 
-/// What the geometry part is fitted to: points of the parametric domain and where they are in the image.
-struct GeometrySamples {
-  int width = 0;  ///< of the pixel grid that the samples belong to
-  int height = 0;
-  std::span<const Vec2> parameter;           ///< one per pixel, row-major
-  std::span<const Vec2> position;            ///< in the image, one per pixel
-  std::span<const std::uint8_t> on_feature;  ///< one per pixel: 1 on a feature curve
+/// A point of a feature curve: where it is in the parametric domain and in the image.
+struct CurvePoint {
+  Vec2 parameter;
+  Vec2 position;
 };
 
 struct GeometryFitOptions {
-  double feature_weight = 20;  ///< of samples on features; others have 1 (paper sec. 7.2)
+  double feature_weight = 20;  ///< of points on features; pixels have 1 (paper sec. 7.2)
   double ridge = 1e-5;         ///< as in ColourFitOptions: towards no displacement
   double least = 1.0 / 64;     ///< displacements shorter than this are set to zero, pixels
 };
 
-/// Least-squares fit of the geometry part (paper sec. 7.2, Eq. 12): functions that are one function cut at a
-/// feature share their control point. In place of a large weight on the border, its control points stay
-/// exactly there.
+/// Least-squares fit of the geometry part (paper sec. 7.2, Eq. 12): the surface takes the place of each pixel
+/// to the centre of the pixel, and the points of the feature curves to theirs. Functions that are one
+/// function cut at a feature share their control point. In place of a large weight on the border, its control
+/// points stay exactly there. Control points that no displaced pixel touches stay at their Greville sites
+/// without being solved for.
+/// @param values of the basis functions at `places`.
+/// @param places of the pixels, row-major; empty: the centres, and nothing is displaced.
 /// @return displacements of the control points from their Greville sites, by geometry group, in pixels.
-std::vector<Vec2> fit_geometry(const spline::Basis& basis, const GeometrySamples& samples,
-                               const GeometryFitOptions& options = {});
+std::vector<Vec2> fit_geometry(const PixelValues& values, std::span<const Vec2> places,
+                               std::span<const CurvePoint> curves, const GeometryFitOptions& options = {});
+
+/// Mean distance between the feature curves and the surface there (MEG over the features), in pixels.
+double geometry_error(const spline::Basis& basis, std::span<const Vec2> displacement,
+                      std::span<const CurvePoint> curves);
 
 /// The geometry part of a surface turned round: where each pixel centre lies in the parametric domain.
 struct PixelPlaces {
@@ -36,9 +41,11 @@ struct PixelPlaces {
   std::vector<std::uint8_t> crossed;  ///< 1 where a feature curve passes through the square of the pixel
 };
 
-/// @param start places to start from (see Pixels), or none. Newton's method; a pixel for which it fails keeps
-/// its start.
-PixelPlaces invert_geometry(const spline::Basis& basis, std::span<const Vec2> displacement, int width,
-                            int height, std::span<const Vec2> start);
+/// @param start  about where the pixels are, such as the places that the geometry was fitted to; or none:
+/// their centres. @param values of the basis functions there. Fixed point iteration, which converges fast
+/// because the displacement is small and smooth, then Newton's method for pixels that need it. A pixel for
+/// which both fail keeps its start.
+PixelPlaces invert_geometry(const PixelValues& values, std::span<const Vec2> displacement,
+                            std::span<const Vec2> start);
 
 }  // namespace knotreel::fit

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <algorithm>
 #include <array>
+#include <cmath>
 #include <vector>
 
 #include "knotreel/base/vec2.h"
@@ -78,7 +80,16 @@ class TriangleRows {
   int first() const { return first_; }
   int last() const { return last_; }  ///< one past
   /// Columns of a row in [first(), last()).
-  void columns(int y, int& begin, int& end) const;
+  [[gnu::always_inline]] void columns(int y, int& begin, int& end) const {
+    const double centre = y + 0.5;
+    const double across = cut(long_, centre);
+    const double other = cut(centre < upper_.y_end ? upper_ : lower_, centre);
+    begin = std::clamp(first_centre(long_is_left_ ? across : other), 0, width_);
+    end = std::clamp(first_centre(long_is_left_ ? other : across), begin, width_);
+  }
+
+  /// The first row or column whose pixel centres are at v or beyond.
+  [[gnu::always_inline]] static int first_centre(double v) { return static_cast<int>(std::ceil(v - 0.5)); }
 
  private:
   struct Line {

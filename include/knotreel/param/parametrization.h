@@ -63,7 +63,7 @@ struct ParametrizeOptions {
   double polyline_bulge = 0.15;
   /// Displacements die off over about this many pixels away from features; 0: they are harmonic (plain
   /// Tutte).
-  double decay = 20;
+  double decay = 16;
   /// Largest error of the displacements against the exact solution, about, in pixels, > 0.
   double tolerance = 1e-3;
   /// A solution to start from, such as that of the previous frame; ignored if of another size. The result

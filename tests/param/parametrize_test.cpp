@@ -1,0 +1,296 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+
+#include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
+#include "knotreel/param/parametrization.h"
+#include "param/laws.h"
+#include "support/chains.h"
+
+namespace knotreel::param {
+namespace {
+
+using features::FeatureChains;
+using knotreel::testing::arc;
+using knotreel::testing::ChainBuilder;
+using knotreel::testing::random_chains;
+using testing::run_sound;
+
+Parametrization run(const FeatureChains& chains, const ParametrizeOptions& options = {},
+                    ParametrizeReport* report = nullptr) {
+  return parametrize(chains, features::make_image_mesh(chains), options, report);
+}
+
+double largest_displacement(const Parametrization& p, const std::vector<Vec2>& layout) {
+  double most = 0;
+  for (std::size_t i = 0; i < layout.size(); ++i) {
+    const Vec2 centre{static_cast<double>(i % static_cast<std::size_t>(p.width)) + 0.5,
+                      static_cast<double>(i / static_cast<std::size_t>(p.width)) + 0.5};
+    most = std::max(most, norm(layout[i] - centre));
+  }
+  return most;
+}
+
+double largest_difference(const std::vector<Vec2>& a, const std::vector<Vec2>& b) {
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, norm(a[i] - b[i]));
+  return most;
+}
+
+bool same_bits(const Parametrization& a, const Parametrization& b) {
+  return a.position == b.position && a.parameter == b.parameter && a.vertices.size() == b.vertices.size() &&
+         std::equal(a.curve_samples.begin(), a.curve_samples.end(), b.curve_samples.begin(),
+                    b.curve_samples.end(), [](const CurveSample& s, const CurveSample& t) {
+                      return s.t == t.t && s.position == t.position;
+                    });
+}
+
+TEST(Parametrize, WithoutChainsIsTheIdentity) {
+  for (const auto& [w, h] : {std::pair{1, 1}, {1, 7}, {7, 1}, {2, 2}, {3, 3}, {40, 30}}) {
+    FeatureChains none;
+    none.width = w;
+    none.height = h;
+    const Parametrization p = run_sound(none);
+    EXPECT_EQ(largest_displacement(p, p.position), 0);
+    EXPECT_EQ(largest_displacement(p, p.parameter), 0);
+  }
+}
+
+TEST(Parametrize, TinyPicturesWithChainsWork) {
+  for (int w = 1; w <= 4; ++w) {
+    for (int h = 1; h <= 4; ++h) {
+      if (w * h < 2) continue;
+      ChainBuilder b(w, h);
+      b.add({{0.5, 0.5}, {w - 0.5, h - 0.5}});
+      run_sound(b.chains);
+    }
+  }
+}
+
+TEST(Parametrize, StraightChainsAreNearlyTheIdentity) {
+  ChainBuilder b(80, 60);
+  ASSERT_TRUE(b.add({{10.5, 10.5}, {60.5, 10.5}}));
+  ASSERT_TRUE(b.add({{20.5, 20.5}, {50.5, 50.5}}));
+  ASSERT_TRUE(b.add({{70.5, 0.5}, {70.5, 59.5}}));
+  const Parametrization p = run_sound(b.chains);
+  EXPECT_EQ(p.vertices.size(), 6U);
+  // Fairing pulls the last points before an end inwards, nothing else.
+  EXPECT_LT(largest_displacement(p, p.parameter), 0.5);
+}
+
+TEST(Parametrize, ACircleBecomesAPolygonAndItsDisplacementDiesOff) {
+  ChainBuilder b(300, 300);
+  ASSERT_TRUE(b.add(arc({150, 150}, 40), true));
+  const Parametrization p = run_sound(b.chains);
+  ASSERT_EQ(p.polylines.size(), 1U);
+  EXPECT_LE(p.polylines[0].vertices.size(), 12U);
+  EXPECT_GE(p.polylines[0].vertices.size(), 6U);
+  EXPECT_GT(largest_displacement(p, p.parameter), 1);
+  EXPECT_LT(largest_displacement(p, p.parameter), 4);
+  EXPECT_GT(testing::smallest_area(features::make_image_mesh(b.chains), p, p.parameter), 0.1);
+  int moved = 0;
+  for (int y = 0; y < 300; ++y) {
+    for (int x = 0; x < 300; ++x) {
+      const Vec2 centre{x + 0.5, y + 0.5};
+      if (norm(centre - Vec2{150, 150}) < 135) continue;
+      moved += p.parameter[static_cast<std::size_t>(y * 300 + x)] == centre ? 0 : 1;
+    }
+  }
+  EXPECT_EQ(moved, 0);
+}
+
+TEST(Parametrize, ItDoesNotMatterWhereAClosedChainStarts) {
+  ChainBuilder b(120, 120);
+  ASSERT_TRUE(b.add(arc({60.3, 58.9}, 33), true));
+  const auto sorted_vertices = [](const FeatureChains& chains) {
+    std::vector<std::pair<double, double>> sorted;
+    for (const PolylineVertex& v : run_sound(chains).vertices)
+      sorted.emplace_back(v.position.x, v.position.y);
+    std::sort(sorted.begin(), sorted.end());
+    return sorted;
+  };
+  const auto expected = sorted_vertices(b.chains);
+  for (int turn = 0; turn < 5; ++turn) {
+    auto& points = b.chains.chains[0].points;
+    std::rotate(points.begin(), points.begin() + 31, points.end());
+    EXPECT_EQ(sorted_vertices(b.chains), expected);
+  }
+}
+
+TEST(Parametrize, RandomChainsObeyAllLaws) {
+  for (unsigned seed = 1; seed <= 60; ++seed) {
+    SCOPED_TRACE(seed);
+    const int width = 40 + static_cast<int>(seed * 37 % 160);
+    const int height = 40 + static_cast<int>(seed * 53 % 120);
+    run_sound(random_chains(width, height, 3 + width * height / 900, seed));
+  }
+}
+
+TEST(Parametrize, ClosePolylinesKeepTheirSides) {
+  // An arc over a chain that lies between the arc and its chord.
+  ChainBuilder b(120, 60);
+  ASSERT_TRUE(b.add(arc({60, 140.5}, 110, -1.79, -1.35)));
+  ASSERT_TRUE(b.add({{57.5, 32.5}, {62.5, 32.5}}));
+  ParametrizeReport report;
+  run_sound(b.chains, &report);
+  EXPECT_EQ(report.folds_found, 0);  // so it is the polylines that are right, not their repair
+}
+
+TEST(Parametrize, ProjectionsAdvanceWhereAChainTurnsBack) {
+  // Right, back left, and right again, all of it within three pixels of a straight line.
+  FeatureChains chains;
+  chains.width = 50;
+  chains.height = 20;
+  chains.node_count = 2;
+  features::Chain chain;
+  chain.last_node = 1;
+  const auto push = [&](int x, int y) { chain.points.push_back({x, y, {x + 0.5, y + 0.5}}); };
+  for (int x = 5; x <= 22; ++x) push(x, 12);
+  push(23, 11);
+  for (int x = 22; x >= 18; --x) push(x, 10);
+  push(17, 9);
+  for (int x = 18; x <= 40; ++x) push(x, 8);
+  chains.chains.push_back(chain);
+  ParametrizeReport report;
+  run_sound(chains, &report);
+  EXPECT_EQ(report.folds_found, 0);
+}
+
+TEST(Parametrize, ChordsBetweenTheSameNodesDoNotCoincide) {
+  // Two nearly straight chains from node 0 to node 1.
+  FeatureChains chains;
+  chains.width = 60;
+  chains.height = 30;
+  chains.node_count = 2;
+  for (const int bow : {-2, 2}) {
+    features::Chain chain;
+    chain.last_node = 1;
+    for (int x = 10; x <= 40; ++x) {
+      const int lift = std::min({x - 10, 40 - x, 2});
+      const int y = 15 + bow * lift / 2;
+      chain.points.push_back({x, y, {x + 0.5, y + 0.5}});
+    }
+    chains.chains.push_back(chain);
+  }
+  ParametrizeReport report;
+  const Parametrization p = run_sound(chains, &report);
+  EXPECT_GE(p.vertices.size(), 3U);
+  EXPECT_EQ(report.folds_found, 0);
+}
+
+TEST(Parametrize, FairedPositionsThatCrossFallBackToThePixels) {
+  FeatureChains chains;
+  chains.width = 40;
+  chains.height = 20;
+  chains.node_count = 4;
+  for (const int row : {8, 10}) {
+    features::Chain chain;
+    chain.first_node = row == 8 ? 0 : 2;
+    chain.last_node = chain.first_node + 1;
+    for (int x = 8; x <= 30; ++x) {
+      // Both curves are moved by most of a pixel towards and beyond each other.
+      const double y = row + 0.5 + (x < 12 || x > 26 ? 0.0 : (row == 8 ? 1.0 : -1.1));
+      chain.points.push_back({x, row, {x + 0.5, y}});
+    }
+    chains.chains.push_back(chain);
+  }
+  ParametrizeReport report;
+  const Parametrization p = run_sound(chains, &report);
+  EXPECT_GT(report.relaxed_points, 0);
+}
+
+TEST(Parametrize, SameBitsForAnyNumberOfThreads) {
+  const FeatureChains chains = random_chains(200, 150, 30, 5);
+  const auto with = [&](int threads) {
+    const ThreadCap cap(threads);
+    return run(chains);
+  };
+  EXPECT_TRUE(same_bits(with(1), with(2)));
+}
+
+TEST(Parametrize, AWarmStartGivesTheSameWithLessWork) {
+  const FeatureChains chains = random_chains(220, 160, 25, 7);
+  ParametrizeReport cold;
+  ParametrizeReport warm;
+  const Parametrization p = run(chains, {}, &cold);
+  ParametrizeOptions options;
+  options.warm_start = &p;
+  const Parametrization q = run(chains, options, &warm);
+  // Damping of small displacements doubles differences.
+  EXPECT_LT(largest_difference(p.position, q.position), 3e-3);
+  EXPECT_LT(largest_difference(p.parameter, q.parameter), 3e-3);
+  EXPECT_LT(warm.cycles, cold.cycles);
+  EXPECT_LT(warm.first_change, 0.1 * cold.first_change);
+}
+
+TEST(Parametrize, AMirroredPictureGivesTheMirroredResult) {
+  const FeatureChains chains = random_chains(151, 120, 14, 11);
+  const Parametrization p = run(chains);
+  Parametrization q = run(knotreel::testing::mirrored(chains));
+  const auto mirror_back = [&](std::vector<Vec2>& layout) {
+    for (int y = 0; y < 120; ++y) {
+      const auto row = layout.begin() + y * 151;
+      std::reverse(row, row + 151);
+    }
+    for (Vec2& v : layout) v.x = 151 - v.x;
+  };
+  mirror_back(q.position);
+  mirror_back(q.parameter);
+  EXPECT_LT(largest_difference(p.position, q.position), 5e-3);
+  EXPECT_LT(largest_difference(p.parameter, q.parameter), 5e-3);
+}
+
+TEST(Parametrize, HostileFairingIsSurvived) {
+  // Positions anywhere within a pixel: nothing that a detector would do, but the interface allows it.
+  int folds = 0;
+  for (unsigned seed = 1; seed <= 30; ++seed) {
+    SCOPED_TRACE(seed);
+    FeatureChains chains = random_chains(90, 70, 8, seed);
+    unsigned state = seed;
+    const auto noise = [&] {
+      state = state * 1664525U + 1013904223U;
+      return (state >> 8) / double(1 << 24) * 1.8 - 0.9;
+    };
+    std::vector<Vec2> at_node(chains.node_count, Vec2{});
+    for (Vec2& v : at_node) v = {noise(), noise()};
+    for (features::Chain& chain : chains.chains) {
+      for (std::size_t i = 0; i < chain.points.size(); ++i) {
+        features::ChainPoint& c = chain.points[i];
+        Vec2 shift{noise(), noise()};
+        if (!chain.closed && i == 0) shift = at_node[chain.first_node];
+        if (!chain.closed && i + 1 == chain.points.size()) shift = at_node[chain.last_node];
+        c.position = Vec2{c.x + 0.5, c.y + 0.5} + shift;
+      }
+    }
+    ParametrizeReport report;
+    run_sound(chains, &report);
+    folds += report.folds_found;
+  }
+  EXPECT_GT(folds, 0);  // or this test is none of the repair
+}
+
+TEST(Parametrize, MisuseIsRefused) {
+  ChainBuilder b(30, 20);
+  ASSERT_TRUE(b.add({{5.5, 5.5}, {20.5, 5.5}}));
+  const auto mesh = features::make_image_mesh(b.chains);
+  const auto refused = [&](const auto& change) {
+    FeatureChains chains = b.chains;
+    ParametrizeOptions options;
+    change(chains, options);
+    EXPECT_THROW(parametrize(chains, mesh, options), Error);
+  };
+  refused([](FeatureChains& c, auto&) { c.width = 31; });
+  refused([](FeatureChains& c, auto&) { c.chains[0].points[2].x = 40; });
+  refused([](FeatureChains& c, auto&) { c.chains[0].points[2].position.x = std::nan(""); });
+  refused([](FeatureChains& c, auto&) { c.chains[0].points.resize(1); });
+  refused([](FeatureChains& c, auto&) { c.chains[0].last_node = 9; });
+  refused([](FeatureChains& c, auto&) { c.chains.push_back(c.chains[0]); });
+  refused([](auto&, ParametrizeOptions& o) { o.polyline_distance = 0; });
+  refused([](auto&, ParametrizeOptions& o) { o.decay = -1; });
+}
+
+}  // namespace
+}  // namespace knotreel::param
