@@ -28,7 +28,7 @@ class StageTimer {
   nlohmann::ordered_json seconds_ = nlohmann::ordered_json::object();
 };
 
-/// Members chains, pixels, polyline_vertices, folds_left, dropped.
+/// Members chains, over_budget, pixels, polyline_vertices, folds_left, dropped.
 nlohmann::ordered_json features_json(const vectorize::Report& report);
 
 /// One member per round, with name, counts, errors and milliseconds of its stages.

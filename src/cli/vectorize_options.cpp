@@ -15,23 +15,50 @@ const std::map<std::string, vectorize::Preset> kPresets{{"fast", vectorize::Pres
                                                         {"balanced", vectorize::Preset::kBalanced},
                                                         {"fine", vectorize::Preset::kFine}};
 
+/// Numbers that an option may take.
+struct Range {
+  double low;
+  double high;
+};
+
 /// CLI::Range lets "nan" through.
-CLI::Validator within(double low, double high) {
-  const auto check = [low, high](const std::string& text) {
+CLI::Validator within(Range range) {
+  const auto check = [range](const std::string& text) {
     double value = 0;
-    if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return std::string();
-    return fmt::format("takes a number from {:g} to {:g}, not '{}'", low, high, text);
+    if (CLI::detail::lexical_cast(text, value) && value >= range.low && value <= range.high) {
+      return std::string();
+    }
+    return fmt::format("takes a number from {:g} to {:g}, not '{}'", range.low, range.high, text);
   };
   return {check, ""};
 }
 
+/// @param defaults the value without this option, and where presets have others.
 template <typename Number>
 void add_number(CLI::App& command, const std::string& name, std::optional<Number>& value, const char* unit,
-                double low, double high, const std::string& description) {
-  command.add_option(name, value, description)->check(within(low, high))->type_name(unit);
+                Range range, const std::string& description, const std::string& defaults) {
+  command
+      .add_option(name, value,
+                  fmt::format("{}({:g} to {:g}; default {})", description, range.low, range.high, defaults))
+      ->check(within(range))
+      ->type_name(unit);
+}
+
+template <typename Number>
+std::string text_of(Number value) {
+  return fmt::format("{:g}", double(value));
+}
+
+/// "4; fast: 0, fine: 40" for a setting that presets change.
+template <class Get>
+std::string by_preset(Get&& get) {
+  return fmt::format("{}; fast: {}, fine: {}", get(preset_options(vectorize::Preset::kBalanced)),
+                     get(preset_options(vectorize::Preset::kFast)),
+                     get(preset_options(vectorize::Preset::kFine)));
 }
 
 void add_effort(CLI::App& command, VectorizeOptions& options) {
+  const vectorize::Options defaults;
   command
       .add_option("--preset", options.preset,
                   "Time or quality: fast, balanced or fine. Sets --rounds, --descent-steps\n"
@@ -44,26 +71,30 @@ void add_effort(CLI::App& command, VectorizeOptions& options) {
                   "Upper bound: a number, or a share of the pixels above 0%, at most 100%\n"
                   "(default 2.7%, but for small pictures 256)")
       ->type_name("N|P%");
-  add_number(command, "--mec", options.mec, "L", 0, 442,
-             "Good enough: mean colour error per pixel, in levels of 0..255\n(0 to 442, default 2)");
-  add_number(command, "--meg", options.meg, "PX", 0, 1000,
-             "Good enough: mean distance of features from their curves, in pixels\n(0 to 1000, default 1)");
-  add_number(command, "--rounds", options.rounds, "N", 1, 100,
-             "Most rounds of fitting; each but the first adds knots where the error\n"
-             "is large (1 to 100, default 3; fast: 2)");
-  add_number(command, "--descent-steps", options.descent_steps, "N", 0, 1000,
-             "Steps that move all knots against the true error at the end\n"
-             "(0 to 1000, default 4; fast: 0, fine: 40)");
+  add_number(command, "--mec", options.mec, "L", {0, 442},
+             "Good enough: mean colour error per pixel, in levels of 0..255\n", text_of(defaults.mec));
+  add_number(command, "--meg", options.meg, "PX", {0, 1000},
+             "Good enough: mean distance of features from their curves, in pixels\n", text_of(defaults.meg));
+  add_number(command, "--rounds", options.rounds, "N", {1, 100},
+             "Most rounds of fitting; each but the first adds knots where the error\nis large ",
+             by_preset([](const auto& o) { return o.rounds; }));
+  add_number(command, "--descent-steps", options.descent_steps, "N", {0, 1000},
+             "Steps that move all knots against the true error at the end\n",
+             by_preset([](const auto& o) { return o.descent_steps; }));
 }
 
 void add_features(CLI::App& command, VectorizeOptions& options) {
-  add_number(command, "--edge-threshold", options.edge_threshold, "L", 0.1, 255,
-             "Least gradient of an edge, in levels of 0..255 per pixel; a feature needs\n"
-             "2.67 times as much somewhere (0.1 to 255, default 6)");
-  add_number(command, "--min-feature-length", options.min_feature_length, "PX", 0, 100000,
-             "Shorter features are dropped, in pixels (0 to 100000, default 16)");
-  add_number(command, "--max-blur", options.max_blur, "PX", 0, 100,
-             "Wider edges are left to the smooth surface, in pixels\n(0 to 100, 0: no limit; default 4)");
+  const features::DetectOptions defaults;
+  add_number(command, "--edge-threshold", options.edge_threshold, "L", {0.1, 255},
+             fmt::format("Least gradient of an edge, in levels of 0..255 per pixel; a feature needs\n"
+                         "{:g} times as much somewhere ",
+                         defaults.anchor_threshold / defaults.edge_threshold),
+             text_of(defaults.edge_threshold));
+  add_number(command, "--min-feature-length", options.min_feature_length, "PX", {0, 100000},
+             "Shorter features are dropped, in pixels ", text_of(defaults.min_length));
+  add_number(command, "--max-blur", options.max_blur, "PX", {0, 100},
+             "Wider edges are left to the smooth surface, in pixels; 0: none are\n",
+             text_of(defaults.max_blur));
   command.add_flag("--no-features", options.no_features, "Look for no features: smooth everywhere");
   command.add_flag("--no-fairing", options.no_fairing, "Leave the curves of features as they were found");
   command.add_flag("--no-colour-correction", options.no_colour_correction,
@@ -71,8 +102,9 @@ void add_features(CLI::App& command, VectorizeOptions& options) {
 }
 
 void add_surface(CLI::App& command, VectorizeOptions& options) {
-  add_number(command, "--degree", options.degree, "N", 1, 3,
-             "Degree of the splines: 1 (flat triangles), 2 or 3 (1 to 3, default 2)");
+  add_number(command, "--degree", options.degree, "N", {1, 3},
+             "Degree of the splines: 1 makes flat triangles, 2 and 3 a smooth surface\n",
+             text_of(vectorize::Options{}.degree));
   command.add_flag("--no-knot-optimisation", options.no_knot_optimisation,
                    "Leave knots where they were put, and joined as they are");
   command.add_flag("--no-picture-links", options.no_picture_links,
@@ -159,10 +191,15 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
             {"edge_threshold", o.detect.edge_threshold},
             {"anchor_threshold", o.detect.anchor_threshold},
             {"min_length", o.detect.min_length},
+            {"min_weight", o.detect.min_weight},
             {"max_blur", o.detect.max_blur},
             {"euclidean_magnitude", o.detect.euclidean_magnitude}}},
-          {"fair", {{"lambda", o.fair.lambda}, {"iterations", o.fair.iterations}}},
-          {"correction", {{"one_ring", o.correction.one_ring}, {"two_ring", o.correction.two_ring}}},
+          {"fair",
+           {{"lambda", o.fair.lambda}, {"iterations", o.fair.iterations}, {"keep_size", o.fair.keep_size}}},
+          {"correction",
+           {{"one_ring", o.correction.one_ring},
+            {"two_ring", o.correction.two_ring},
+            {"clean_only", o.correction.clean_only}}},
           {"parametrize",
            {{"polyline_distance", o.parametrize.polyline_distance},
             {"polyline_bulge", o.parametrize.polyline_bulge},

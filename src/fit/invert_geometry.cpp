@@ -12,8 +12,8 @@ using spline::Basis;
 using spline::BasisJet;
 
 constexpr double kTolerance = 1e-3;  // pixels
-// A fixed point step from closer than this ends within a hundredth of a pixel, since the displacement changes by
-// less than a fifth of a pixel per pixel nearly everywhere.
+// A fixed point step from closer than this ends within a hundredth of a pixel, since the displacement changes
+// by less than a fifth of a pixel per pixel nearly everywhere.
 constexpr double kOneStep = 0.05;
 constexpr int kMaxSteps = 8;
 constexpr double kTraceStep = 0.2;  // pixels, along features

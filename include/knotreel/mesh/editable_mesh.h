@@ -16,8 +16,8 @@ inline constexpr std::uint32_t kNoSegment = 0xffffffffu;
 /// A knot mesh under construction: knots can be inserted, moved and removed, edges flipped. Every operation
 /// keeps the triangulation sound (positive faces, features and border in place). Knot indices and face
 /// indices stay valid until the knot or face is removed; freed places are used again, faces by insertion,
-/// knots not. Not thread safe for writing, but for move() of knots that are no neighbours; const members may be
-/// called from several threads.
+/// knots not. Not thread safe for writing, but for move() of knots that are no neighbours; const members may
+/// be called from several threads.
 class EditableMesh {
  public:
   /// An edge as seen from one of its faces: the one opposite corner `side` of `face`.
