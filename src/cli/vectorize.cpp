@@ -1,22 +1,24 @@
 #include <fmt/core.h>
 
-#include <chrono>
-#include <limits>
 #include <memory>
+#include <optional>
 #include <sstream>
 #include <utility>
 
 #include "cli/command.h"
+#include "cli/debug/debug_pictures.h"
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
-#include "cli/parse.h"
 #include "cli/pictures.h"
+#include "cli/progress_line.h"
+#include "cli/stats.h"
+#include "cli/vectorize_options.h"
 #include "knotreel/base/output_file.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/writer.h"
-#include "knotreel/fit/uniform_fit.h"
 #include "knotreel/image/metrics.h"
 #include "knotreel/image/read_image.h"
+#include "knotreel/vectorize/vectorize.h"
 
 namespace knotreel::cli {
 namespace {
@@ -24,28 +26,10 @@ namespace {
 struct Arguments {
   std::string input;
   std::string output;
-  std::string control_points = "2%";
-  int degree = 2;
-  std::uint64_t seed = 1;
-  bool smooth_corners = true;
+  VectorizeOptions options;
   std::string stats;
+  std::string debug_dir;
   int threads = 0;
-};
-
-/// Seconds spent in each stage, in order.
-class StageTimer {
- public:
-  void finish(const std::string& stage) {
-    const auto now = Clock::now();
-    seconds_[stage] = std::chrono::duration<double>(now - start_).count();
-    start_ = now;
-  }
-  const nlohmann::ordered_json& seconds() const { return seconds_; }
-
- private:
-  using Clock = std::chrono::steady_clock;
-  Clock::time_point start_ = Clock::now();
-  nlohmann::ordered_json seconds_ = nlohmann::ordered_json::object();
 };
 
 /// A document of one frame in memory, and that frame as it was stored, that is quantised.
@@ -67,54 +51,111 @@ Stored encode(const image::Image& image, const document::FrameModel& model) {
   return {std::move(bytes).str(), std::move(stored)};
 }
 
+/// Debug pictures, if any are wanted, on a clock of their own.
+class Watcher {
+ public:
+  Watcher(const std::string& folder, StageTimer& timer) : timer_(timer) {
+    if (!folder.empty()) pictures_.emplace(folder);
+  }
+
+  void see(const vectorize::Progress& progress) {
+    draw([&] { pictures_->write(progress); });
+  }
+  void see_stored(const image::Image& image, const document::FrameModel& model) {
+    draw([&] { pictures_->write_control_net(image, model); });
+  }
+
+ private:
+  template <class Draw>
+  void draw(Draw&& draw) {
+    if (!pictures_) return;
+    StageTimer drawing;
+    draw();
+    timer_.attribute("debug", drawing.running());
+  }
+
+  std::optional<debug::DebugPictures> pictures_;
+  StageTimer& timer_;
+};
+
+vectorize::Vectorization run(const image::Image& image, const vectorize::Options& options, Watcher& watcher) {
+  ProgressLine line;
+  return vectorize::vectorize_picture(image, options, [&](const vectorize::Progress& progress) {
+    check_interrupted();
+    line.show(progress.stage);
+    watcher.see(progress);
+    check_interrupted();
+  });
+}
+
+/// Better to fail now than after the work.
+void probe_outputs(const Arguments& arguments) {
+  if (arguments.output == "-" && arguments.stats == "-") {
+    throw Error(ErrorKind::kInvalidArgument, "--output and --stats cannot both be standard output");
+  }
+  { const OutputFile probe(arguments.output); }
+  if (!arguments.stats.empty()) {
+    const OutputFile probe(arguments.stats);
+  }
+}
+
+/// All that docs/stats.md promises.
+nlohmann::ordered_json stats_json(const Arguments& arguments, const image::Image& image,
+                                  const vectorize::Options& options, const vectorize::Report& report,
+                                  const Stored& document, const image::ImageMetrics& metrics) {
+  const auto& space = *document.model.space;
+  nlohmann::ordered_json stats{{"version", KNOTREEL_VERSION},
+                               {"input", arguments.input},
+                               {"output", arguments.output},
+                               {"width", image.width},
+                               {"height", image.height},
+                               {"channels", image.channels},
+                               {"preset", arguments.options.preset},
+                               {"threads", arguments.threads},
+                               {"options", options_json(options)},
+                               {"features", features_json(report)},
+                               {"rounds", rounds_json(report)},
+                               {"knots", space.mesh().knots.size()},
+                               {"triangles", space.mesh().faces.size()},
+                               {"feature_segments", space.mesh().segments.size()},
+                               {"control_points", space.function_count()},
+                               {"raw_accounting_bytes", document::raw_accounting_bytes(document.model)},
+                               {"file_bytes", document.bytes.size()}};
+  stats.update(metrics_json(metrics));
+  return stats;
+}
+
 void vectorize(const Arguments& arguments) {
   const ThreadCap cap(arguments.threads);
   StageTimer timer;
   const image::Image image = image::read_image(arguments.input);
-  { const OutputFile probe(arguments.output); }  // better to fail now than after the fit
+  const vectorize::Options options = effective_options(arguments.options, image.pixel_count());
+  probe_outputs(arguments);
+  Watcher watcher(arguments.debug_dir, timer);
   timer.finish("decode");
 
-  fit::UniformFitOptions options;
-  options.control_points = parse_count("--control-points", arguments.control_points, image.pixel_count());
-  options.degree = arguments.degree;
-  options.seed = arguments.seed;
-  options.colour.smooth_corners = arguments.smooth_corners;
-  const document::FrameModel fitted = fit::fit_uniform(image, options);
+  const vectorize::Vectorization made = run(image, options, watcher);
   check_interrupted();
-  timer.finish("fit");
+  timer.finish("vectorize");
 
-  const Stored document = encode(image, fitted);
+  const Stored document = encode(image, made.model);
   OutputFile file(arguments.output);
   file.write(document.bytes);
   file.commit();
   timer.finish("write");
 
-  const document::FrameModel& stored = document.model;
-  const image::ImageMetrics metrics = image::compare_images(image, render_whole(stored, {}));
+  const image::ImageMetrics metrics = image::compare_images(image, render_whole(document.model, {}));
   timer.finish("measure");
+  watcher.see_stored(image, document.model);
 
-  const auto& space = *stored.space;
   if (!arguments.stats.empty()) {
-    nlohmann::ordered_json stats{{"input", arguments.input},
-                                 {"output", arguments.output},
-                                 {"width", image.width},
-                                 {"height", image.height},
-                                 {"channels", image.channels},
-                                 {"degree", space.degree()},
-                                 {"seed", arguments.seed},
-                                 {"smooth_corners", arguments.smooth_corners},
-                                 {"threads", arguments.threads},
-                                 {"knots", space.mesh().knots.size()},
-                                 {"triangles", space.mesh().faces.size()},
-                                 {"control_points", space.function_count()},
-                                 {"raw_accounting_bytes", document::raw_accounting_bytes(stored)},
-                                 {"file_bytes", document.bytes.size()}};
-    stats.update(metrics_json(metrics));
+    auto stats = stats_json(arguments, image, options, made.report, document, metrics);
     stats["seconds"] = timer.seconds();
     write_text(arguments.stats,
                stats.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   }
   if (arguments.stats != "-" && arguments.output != "-") {
+    const auto& space = *document.model.space;
     write_text("-", fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}\n", arguments.output,
                                 space.mesh().knots.size(), space.function_count(), document.bytes.size(),
                                 psnr_text(metrics.psnr)));
@@ -122,12 +163,14 @@ void vectorize(const Arguments& arguments) {
 }
 
 constexpr const char* kFooter = R"(
-The knots are spread evenly over the picture and the colours fitted by least squares; the figures
-printed are those of the document as stored. The same input and options give the same file.
+Features (sharp edges) become curves at which the colours may jump; between them the surface is smooth.
+Knots go where the picture needs them, first at once and then in rounds. The figures printed are those
+of the document as stored. The same picture and options give the same file.
 Examples:
   knotreel vectorize photo.png -o photo.tcb
-  knotreel vectorize photo.png -o fine.tcb --control-points 5%
-  knotreel vectorize scan.tiff -o scan.tcb --control-points 20000 --degree 3 --stats scan.json)";
+  knotreel vectorize photo.png -o fine.tcb --preset fine --max-control-points 5%
+  knotreel vectorize scan.tiff -o scan.tcb --degree 3 --edge-threshold 10 --stats scan.json
+  knotreel vectorize logo.png -o logo.tcb --debug-dir logo-stages)";
 
 }  // namespace
 
@@ -141,28 +184,15 @@ void add_vectorize_command(CLI::App& program) {
       ->add_option("-o,--output", arguments->output, "Vector document to write (.tcb); '-': standard output")
       ->type_name("FILE")
       ->required();
-  command
-      ->add_option("--control-points", arguments->control_points,
-                   "About how many control points: a number, or a share of the pixels\nsuch as 2% (above 0, "
-                   "at most 100%)")
-      ->type_name("N|P%")
-      ->capture_default_str();
-  command->add_option("--degree", arguments->degree, "Degree of the splines: 1, 2 or 3")
-      ->check(CLI::Range(1, 3).description(""))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_option("--seed", arguments->seed, "Start of the random numbers that break ties")
-      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""))
-      ->type_name("N")
-      ->capture_default_str();
-  command->add_flag_callback(
-      "--no-smooth-corners", [arguments] { arguments->smooth_corners = false; },
-      "Leave the surface merely continuous, not smooth, along the edges of the\nknot "
-      "mesh that run into corners of the picture");
+  add_vectorize_options(*command, arguments->options);
   command
       ->add_option("--stats", arguments->stats,
-                   "Write counts, quality and seconds per stage as JSON; '-': standard output")
+                   "Write options, counts, quality and time of every round as JSON;\n'-': standard output")
       ->type_name("FILE");
+  command
+      ->add_option("--debug-dir", arguments->debug_dir,
+                   "Write PNG pictures of every stage into this folder, made if missing")
+      ->type_name("DIR");
   add_threads_option(*command, arguments->threads);
   command->footer(kFooter);
   command->callback([arguments] { vectorize(*arguments); });

@@ -1,5 +1,3 @@
-#include <nlohmann/json.hpp>
-
 #include "knotreel/image/metrics.h"
 #include "knotreel/image/read_image.h"
 #include "program.h"
@@ -11,10 +9,6 @@ using nlohmann::json;
 using test::expect_success;
 using test::read_text;
 using test::Sample;
-
-double json_psnr(const json& figures) {
-  return figures["psnr"].is_null() ? INFINITY : figures["psnr"].get<double>();
-}
 
 class CliChannels : public testing::TestWithParam<int> {};
 
@@ -29,57 +23,11 @@ TEST_P(CliChannels, VectorizeThenRenderIsCloseToThePicture) {
 
 INSTANTIATE_TEST_SUITE_P(GreyToRgba, CliChannels, testing::Values(1, 2, 3, 4));
 
-TEST(CliVectorize, IsTheSameForEveryThreadCount) {
-  const Sample sample;
-  for (const std::string threads : {"1", "2", "5"}) {
-    const std::string output = sample.path("threads.tcb");
-    expect_success(test::knotreel({"vectorize", sample.picture, "-o", output, "--threads", threads}));
-    EXPECT_EQ(read_text(output), read_text(sample.document));
-  }
-}
-
 TEST(CliVectorize, ReadsStandardInput) {
   const Sample sample;
   expect_success(test::knotreel({"vectorize", "-", "-o", sample.path("stdin.tcb")},
                                 {.input = read_text(sample.picture)}));
   EXPECT_EQ(read_text(sample.path("stdin.tcb")), read_text(sample.document));
-}
-
-TEST(CliVectorize, MoreControlPointsGiveMore) {
-  const Sample sample;
-  const auto count = [&](const std::string& wanted) {
-    const std::string stats = sample.path("stats.json");
-    expect_success(test::knotreel({"vectorize", sample.picture, "-o", sample.path("n.tcb"),
-                                   "--control-points", wanted, "--stats", stats}));
-    return json::parse(read_text(stats))["control_points"].get<int>();
-  };
-  const int few = count("100");
-  const int many = count("20%");  // of 2560 pixels
-  EXPECT_NEAR(few, 100, 60);
-  EXPECT_NEAR(many, 512, 200);
-}
-
-TEST(CliVectorize, StatsHoldFiguresAndSeconds) {
-  const Sample sample;
-  const auto result = test::knotreel(
-      {"vectorize", sample.picture, "-o", sample.path("s.tcb"), "--stats", "-", "--degree", "1"});
-  expect_success(result);
-  const json stats = json::parse(result.out);
-  EXPECT_EQ(stats["degree"], 1);
-  EXPECT_EQ(stats["file_bytes"], std::filesystem::file_size(sample.path("s.tcb")));
-  EXPECT_GT(json_psnr(stats), 25);
-  for (const char* stage : {"decode", "fit", "write", "measure"})
-    EXPECT_GE(stats["seconds"][stage], 0.0) << stage;
-}
-
-TEST(CliVectorize, NoSmoothCornersChangesTheCornersOnly) {
-  const Sample sample;
-  const std::string rough = sample.path("rough.tcb");
-  expect_success(test::knotreel({"vectorize", sample.picture, "-o", rough, "--no-smooth-corners"}));
-  EXPECT_NE(read_text(rough), read_text(sample.document));
-  const auto result = test::knotreel({"compare", rough, sample.document, "--json"});
-  expect_success(result);
-  EXPECT_GT(json_psnr(json::parse(result.out)), 35);
 }
 
 TEST(CliRender, SizeScaleAndCropSayTheSizeOfTheOutput) {

@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
 #include <string>
 #include <vector>
 
@@ -45,6 +47,28 @@ inline image::Image smooth_picture(int width, int height, int channels) {
     }
   }
   return image;
+}
+
+/// A disc and a bar with sharp edges on a ramp: there are features.
+inline image::Image sharp_picture(int width, int height, int channels) {
+  image::Image image = smooth_picture(width, height, channels);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x) {
+      const double distance = std::hypot(x + 0.5 - 0.35 * width, y + 0.5 - 0.5 * height);
+      const double inside = std::clamp(0.3 * height - distance + 0.5, 0.0, 1.0);
+      const bool bar = x > 0.75 * width && x < 0.9 * width && y > 0.2 * height && y < 0.8 * height;
+      for (int c = 0; c < channels; ++c) {
+        float& sample = image.at(x, y, c);
+        sample = bar ? 20.0F : float((1 - inside) * double(sample) + inside * (c == 2 ? 60 : 245));
+      }
+    }
+  }
+  return image;
+}
+
+/// PSNR from the JSON of `compare` or of --stats, where null stands for equal pictures.
+inline double json_psnr(const nlohmann::json& figures) {
+  return figures["psnr"].is_null() ? INFINITY : figures["psnr"].get<double>();
 }
 
 /// A folder with a picture and its document, made once by each test that asks for it.

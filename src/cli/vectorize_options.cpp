@@ -1,0 +1,224 @@
+#include "cli/vectorize_options.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <limits>
+#include <map>
+
+#include "cli/parse.h"
+
+namespace knotreel::cli {
+namespace {
+
+const std::map<std::string, vectorize::Preset> kPresets{{"fast", vectorize::Preset::kFast},
+                                                        {"balanced", vectorize::Preset::kBalanced},
+                                                        {"fine", vectorize::Preset::kFine}};
+
+/// Numbers that an option may take.
+struct Range {
+  double low;
+  double high;
+};
+
+/// CLI::Range lets "nan" through.
+CLI::Validator within(Range range) {
+  const auto check = [range](const std::string& text) {
+    double value = 0;
+    if (CLI::detail::lexical_cast(text, value) && value >= range.low && value <= range.high) {
+      return std::string();
+    }
+    return fmt::format("takes a number from {:g} to {:g}, not '{}'", range.low, range.high, text);
+  };
+  return {check, ""};
+}
+
+/// @param defaults the value without this option, and where presets have others.
+template <typename Number>
+void add_number(CLI::App& command, const std::string& name, std::optional<Number>& value, const char* unit,
+                Range range, const std::string& description, const std::string& defaults) {
+  command
+      .add_option(name, value,
+                  fmt::format("{}({:g} to {:g}; default {})", description, range.low, range.high, defaults))
+      ->check(within(range))
+      ->type_name(unit);
+}
+
+template <typename Number>
+std::string text_of(Number value) {
+  return fmt::format("{:g}", double(value));
+}
+
+/// "4; fast: 0, fine: 40" for a setting that presets change.
+template <class Get>
+std::string by_preset(Get&& get) {
+  return fmt::format("{}; fast: {}, fine: {}", get(preset_options(vectorize::Preset::kBalanced)),
+                     get(preset_options(vectorize::Preset::kFast)),
+                     get(preset_options(vectorize::Preset::kFine)));
+}
+
+void add_effort(CLI::App& command, VectorizeOptions& options) {
+  const vectorize::Options defaults;
+  command
+      .add_option("--preset", options.preset,
+                  "Time or quality: fast, balanced or fine. Sets --rounds, --descent-steps\n"
+                  "and the sweeps over the knots; options given besides it win")
+      ->check(CLI::IsMember(kPresets).description(""))
+      ->type_name("NAME")
+      ->capture_default_str();
+  command
+      .add_option("--max-control-points", options.max_control_points,
+                  "Upper bound: a number, or a share of the pixels above 0%, at most 100%\n"
+                  "(default 2.7%, but for small pictures 256)")
+      ->type_name("N|P%");
+  add_number(command, "--mec", options.mec, "L", {0, 442},
+             "Good enough: mean colour error per pixel, in levels of 0..255\n", text_of(defaults.mec));
+  add_number(command, "--meg", options.meg, "PX", {0, 1000},
+             "Good enough: mean distance of features from their curves, in pixels\n", text_of(defaults.meg));
+  add_number(command, "--rounds", options.rounds, "N", {1, 100},
+             "Most rounds of fitting; each but the first adds knots where the error\nis large ",
+             by_preset([](const auto& o) { return o.rounds; }));
+  add_number(command, "--descent-steps", options.descent_steps, "N", {0, 1000},
+             "Steps that move all knots against the true error at the end\n",
+             by_preset([](const auto& o) { return o.descent_steps; }));
+}
+
+void add_features(CLI::App& command, VectorizeOptions& options) {
+  const features::DetectOptions defaults;
+  add_number(command, "--edge-threshold", options.edge_threshold, "L", {0.1, 255},
+             fmt::format("Least gradient of an edge, in levels of 0..255 per pixel; a feature needs\n"
+                         "{:g} times as much somewhere ",
+                         defaults.anchor_threshold / defaults.edge_threshold),
+             text_of(defaults.edge_threshold));
+  add_number(command, "--min-feature-length", options.min_feature_length, "PX", {0, 100000},
+             "Shorter features are dropped, in pixels ", text_of(defaults.min_length));
+  add_number(command, "--max-blur", options.max_blur, "PX", {0, 100},
+             "Wider edges are left to the smooth surface, in pixels; 0: none are\n",
+             text_of(defaults.max_blur));
+  command.add_flag("--no-features", options.no_features, "Look for no features: smooth everywhere");
+  command.add_flag("--no-fairing", options.no_fairing, "Leave the curves of features as they were found");
+  command.add_flag("--no-colour-correction", options.no_colour_correction,
+                   "Keep the mixed colours of the pixels beside features");
+}
+
+void add_surface(CLI::App& command, VectorizeOptions& options) {
+  add_number(command, "--degree", options.degree, "N", {1, 3},
+             "Degree of the splines: 1 makes flat triangles, 2 and 3 a smooth surface\n",
+             text_of(vectorize::Options{}.degree));
+  command.add_flag("--no-knot-optimisation", options.no_knot_optimisation,
+                   "Leave knots where they were put, and joined as they are");
+  command.add_flag("--no-picture-links", options.no_picture_links,
+                   "Choose the links of knots by their places, not by the picture");
+  command.add_flag("--no-smooth-corners", options.no_smooth_corners,
+                   "Leave the surface merely continuous, not smooth, along the edges of the\n"
+                   "knot mesh that run into ends and bends of features");
+  command
+      .add_option("--seed", options.seed,
+                  "Kept in the statistics; the method draws no random numbers (0 to 2^63-1)")
+      ->check(CLI::Range(std::int64_t{0}, std::numeric_limits<std::int64_t>::max()).description(""))
+      ->type_name("N")
+      ->capture_default_str();
+}
+
+std::size_t bound(const VectorizeOptions& given, std::uint64_t pixels) {
+  if (given.max_control_points) return parse_count("--max-control-points", *given.max_control_points, pixels);
+  // So few cost hardly a kilobyte, and without them icons would be blots.
+  return std::max<std::size_t>(256, parse_count("", "2.7%", pixels));
+}
+
+template <typename Value>
+void replace(Value& value, const std::optional<Value>& given) {
+  if (given) value = *given;
+}
+
+}  // namespace
+
+void add_vectorize_options(CLI::App& command, VectorizeOptions& options) {
+  command.option_defaults()->group("Time and quality");
+  add_effort(command, options);
+  command.option_defaults()->group("Features");
+  add_features(command, options);
+  command.option_defaults()->group("Surface");
+  add_surface(command, options);
+  command.option_defaults()->group("Options");
+}
+
+vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_t pixels) {
+  vectorize::Options options = vectorize::preset_options(kPresets.at(given.preset));
+  options.max_control_points = bound(given, pixels);
+  replace(options.mec, given.mec);
+  replace(options.meg, given.meg);
+  replace(options.rounds, given.rounds);
+  replace(options.degree, given.degree);
+  replace(options.descent_steps, given.descent_steps);
+  options.seed = given.seed;
+
+  replace(options.detect.min_length, given.min_feature_length);
+  replace(options.detect.max_blur, given.max_blur);
+  if (given.edge_threshold) {
+    // Hysteresis keeps its proportion.
+    options.detect.anchor_threshold *= *given.edge_threshold / options.detect.edge_threshold;
+    options.detect.edge_threshold = *given.edge_threshold;
+  }
+
+  options.features = !given.no_features;
+  options.fairing = !given.no_fairing;
+  options.colour_correction = !given.no_colour_correction;
+  options.picture_links = !given.no_picture_links;
+  options.colour.smooth_corners = !given.no_smooth_corners;
+  if (given.no_knot_optimisation) {
+    options.optimise.positions = false;
+    options.optimise.connectivity = false;
+  }
+  return options;
+}
+
+nlohmann::ordered_json options_json(const vectorize::Options& o) {
+  return {{"degree", o.degree},
+          {"mec", o.mec},
+          {"meg", o.meg},
+          {"rounds", o.rounds},
+          {"max_control_points", o.max_control_points},
+          {"descent_steps", o.descent_steps},
+          {"seed", o.seed},
+          {"features", o.features},
+          {"fairing", o.fairing},
+          {"colour_correction", o.colour_correction},
+          {"picture_links", o.picture_links},
+          {"smooth_corners", o.colour.smooth_corners},
+          {"detect",
+           {{"smoothing", o.detect.smoothing},
+            {"edge_threshold", o.detect.edge_threshold},
+            {"anchor_threshold", o.detect.anchor_threshold},
+            {"min_length", o.detect.min_length},
+            {"min_weight", o.detect.min_weight},
+            {"max_blur", o.detect.max_blur},
+            {"euclidean_magnitude", o.detect.euclidean_magnitude}}},
+          {"fair",
+           {{"lambda", o.fair.lambda}, {"iterations", o.fair.iterations}, {"keep_size", o.fair.keep_size}}},
+          {"correction",
+           {{"one_ring", o.correction.one_ring},
+            {"two_ring", o.correction.two_ring},
+            {"clean_only", o.correction.clean_only}}},
+          {"parametrize",
+           {{"polyline_distance", o.parametrize.polyline_distance},
+            {"polyline_bulge", o.parametrize.polyline_bulge},
+            {"decay", o.parametrize.decay},
+            {"tolerance", o.parametrize.tolerance}}},
+          {"segment_knot_spacing", o.segment_knot_spacing},
+          {"optimise",
+           {{"rounds", o.optimise.rounds},
+            {"steps", o.optimise.steps},
+            {"alpha", o.optimise.alpha},
+            {"least_angle", o.optimise.least_angle},
+            {"min_distance", o.optimise.min_distance},
+            {"positions", o.optimise.positions},
+            {"connectivity", o.optimise.connectivity}}},
+          {"colour", {{"ridge", o.colour.ridge}}},
+          {"geometry",
+           {{"feature_weight", o.geometry.feature_weight},
+            {"ridge", o.geometry.ridge},
+            {"least", o.geometry.least}}}};
+}
+
+}  // namespace knotreel::cli

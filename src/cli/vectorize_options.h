@@ -1,0 +1,46 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <cstdint>
+#include <nlohmann/json.hpp>
+#include <optional>
+#include <string>
+
+#include "knotreel/vectorize/options.h"
+
+/// The options of `knotreel vectorize` that say how a picture becomes a vector model.
+namespace knotreel::cli {
+
+/// What the user gave. A preset comes first whatever its place on the command line, and only what was given
+/// replaces its values.
+struct VectorizeOptions {
+  std::string preset = "balanced";
+  std::optional<std::string> max_control_points;
+  std::optional<double> mec;
+  std::optional<double> meg;
+  std::optional<int> rounds;
+  std::optional<int> degree;
+  std::optional<double> min_feature_length;
+  std::optional<double> edge_threshold;
+  std::optional<double> max_blur;
+  std::optional<int> descent_steps;
+  std::uint64_t seed = 1;
+  bool no_features = false;
+  bool no_fairing = false;
+  bool no_colour_correction = false;
+  bool no_knot_optimisation = false;
+  bool no_picture_links = false;
+  bool no_smooth_corners = false;
+};
+
+/// Adds all of them to a command; `options` must live until it has been parsed.
+void add_vectorize_options(CLI::App& command, VectorizeOptions& options);
+
+/// Preset and options together, for a picture of so many pixels.
+/// @throws Error{kInvalidArgument} if the bound on control points is no number or share.
+vectorize::Options effective_options(const VectorizeOptions& options, std::uint64_t pixels);
+
+/// Every setting that has a say in the result, as docs/stats.md tells.
+nlohmann::ordered_json options_json(const vectorize::Options& options);
+
+}  // namespace knotreel::cli
