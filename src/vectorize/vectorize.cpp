@@ -26,8 +26,13 @@ using mesh::KnotIndex;
 
 // Share of the control points that the first round may use; the rest is for refinement.
 constexpr double kFirstShare = 0.8;
-// Share of the control points that features may use up, before any knot is put between them.
+// Shares of the control points that features may use up, before any knot is put between them: all of them,
+// and as long as there are some of little contrast (in levels), which the smooth surface can stand in for.
 constexpr double kFeatureShare = 0.7;
+constexpr double kWeakShare = 0.25;
+constexpr double kWeakContrast = 100;
+// Control points per pixel of features, about (counted over photographs).
+constexpr double kFunctionsPerFeaturePixel = 0.5;
 // Piecewise linear functions need more knots for the same error than the splines over the same knots.
 constexpr double kLinearSlack = 1.3;
 // Weight of pixels that a feature crosses.
@@ -166,7 +171,6 @@ class Run {
     for (const auto& c : chains_.chains) report_.feature_pixels += c.points.size();
     lap("detect");
     show("features");
-    if (!chains_.chains.empty()) prepare_features();
   }
 
   /// Curves and colours for the chains that there are.
@@ -189,17 +193,30 @@ class Run {
 
   /// Features, parametrization and the knots on the features, within their share of the control points.
   void map_features() {
+    if (!chains_.chains.empty())
+      limit_features(kFunctionsPerFeaturePixel * static_cast<double>(chain_pixels()));
     for (;;) {
-      parametrize();
-      if (!has_features()) break;
-      const double functions = estimated_functions(EditableMesh(start_mesh_), options_.degree);
-      const double allowed = kFeatureShare * static_cast<double>(max_functions_);
-      if (functions <= allowed) break;
-      keep_strongest(0.9 * allowed / functions);
       faired_ = {};
       if (!chains_.chains.empty()) prepare_features();
+      parametrize();
+      if (!has_features() || !limit_features(estimated_functions(EditableMesh(start_mesh_), options_.degree)))
+        break;
     }
     make_target();
+  }
+
+  std::size_t chain_pixels() const {
+    std::size_t pixels = 0;
+    for (const features::Chain& c : chains_.chains) pixels += c.points.size();
+    return pixels;
+  }
+
+  /// Drops chains if they cost too many control points. @return whether it did.
+  bool limit_features(double functions) {
+    const auto most = static_cast<double>(max_functions_);
+    if (functions <= kWeakShare * most) return false;
+    if (keep_strongest(0.9 * kWeakShare * most / functions, kWeakContrast)) return true;
+    return functions > kFeatureShare * most && keep_strongest(0.9 * kFeatureShare * most / functions, 1e9);
   }
 
   /// Contrast beside a chain: the mean over its points of the largest range of a channel in three by three
@@ -224,32 +241,34 @@ class Run {
     return sum / static_cast<double>(chain.points.size());
   }
 
-  /// Drops the chains of least contrast, until at most this share of the feature pixels is left: what a chain
-  /// costs grows with its length, as does what it is good for, but the latter with its contrast too.
-  void keep_strongest(double share) {
+  /// Drops the chains of least contrast below a bound, until at most this share of the feature pixels is
+  /// left: what a chain costs grows with its length, as does what it is good for, but the latter with its
+  /// contrast too.
+  /// @return whether any was dropped.
+  bool keep_strongest(double share, double bound) {
     struct Ranked {
       double contrast;
       features::Chain chain;
     };
     std::vector<Ranked> ranked;
-    std::size_t pixels = 0;
+    const double allowed = share * static_cast<double>(chain_pixels());
     for (features::Chain& c : chains_.chains) {
-      pixels += c.points.size();
       const double strength = contrast(c);
       ranked.push_back({strength, std::move(c)});
     }
     std::stable_sort(ranked.begin(), ranked.end(),
                      [](const Ranked& a, const Ranked& b) { return a.contrast > b.contrast; });
-    const double allowed = share * static_cast<double>(pixels);
     std::size_t kept = 0;
     chains_.chains.clear();
     for (Ranked& r : ranked) {
       const std::size_t length = r.chain.points.size();
-      if (static_cast<double>(kept + length) > allowed) continue;
+      if (r.contrast<bound&& static_cast<double>(kept + length)> allowed) continue;
       kept += length;
       chains_.chains.push_back(std::move(r.chain));
     }
-    report_.chains_over_budget += ranked.size() - chains_.chains.size();
+    const std::size_t dropped = ranked.size() - chains_.chains.size();
+    report_.chains_over_budget += dropped;
+    return dropped > 0;
   }
 
   void parametrize() {

@@ -33,10 +33,8 @@ struct Options {
   bool fairing = true;
   bool colour_correction = true;
   bool picture_links = true;  ///< link triangulations chosen by the picture
-  /// Stronger edges only than the detector's own default: weaker ones cost more control points than they
-  /// gain.
   features::DetectOptions detect{
-      .edge_threshold = 12, .anchor_threshold = 40, .min_length = 10, .min_weight = 1200};
+      .edge_threshold = 8, .anchor_threshold = 16, .min_length = 10, .min_weight = 600, .max_blur = 3};
   features::FairOptions fair{};
   features::CorrectionOptions correction{};
   param::ParametrizeOptions parametrize{};

@@ -1,0 +1,182 @@
+#include "knotreel/vectorize/vectorize.h"
+
+#include <gtest/gtest.h>
+
+#include "knotreel/base/error.h"
+#include "support/pictures.h"
+#include "vectorize/scenes.h"
+
+namespace knotreel::vectorize {
+namespace {
+
+void expect_sound(const Vectorization& v, const image::Image& picture) {
+  ASSERT_TRUE(v.model.space);
+  EXPECT_FALSE(mesh::find_defect(v.model.space->mesh()));
+  EXPECT_EQ(v.model.channels, picture.channels);
+  EXPECT_EQ(v.model.displacement.size(), v.model.space->geometry_count());
+  EXPECT_EQ(v.model.colour.size(),
+            v.model.space->function_count() * static_cast<std::size_t>(picture.channels));
+  for (const double c : v.model.colour) {
+    ASSERT_TRUE(std::isfinite(c));
+    ASSERT_LT(std::abs(c), 3000);
+  }
+  EXPECT_FALSE(v.report.features_dropped);
+  EXPECT_EQ(v.report.folds_left, 0);
+}
+
+TEST(Vectorize, ContoursStaySharpWhenEnlarged) {
+  const image::Image picture = still_life(120, 90);
+  const Vectorization v = vectorize_picture(picture);
+  expect_sound(v, picture);
+  EXPECT_GT(psnr(picture, v.model), 38);
+  // Across the contour of the disc, at 8x: the colours of the two sides, and one or two pixels in between.
+  const raster::RenderOptions options{.width = 960, .height = 720};
+  const image::Image large = rendered(v.model, options);
+  const int y = static_cast<int>(0.45 * 720);
+  const int x = static_cast<int>(8 * (0.4 * 120 - 0.3 * 90));
+  const float ground = large.at(x - 12, y, 0);
+  const float disc = large.at(x + 12, y, 0);
+  ASSERT_GT(disc - ground, 60);
+  int between = 0;
+  for (int i = x - 12; i <= x + 12; ++i) {
+    const float share = (large.at(i, y, 0) - ground) / (disc - ground);
+    if (share > 0.15F && share < 0.85F) ++between;
+  }
+  EXPECT_LE(between, 2);
+}
+
+TEST(Vectorize, ThinLinesHaveColoursOfTheirOwn) {
+  const image::Image picture = draw(80, 60, 3, [](double x, double y) -> Colour {
+    const double d = std::abs(x - 30 - 0.3 * y);
+    return d < 1.5            ? Colour{240, 30, 30, 0}
+           : x < 30 + 0.3 * y ? Colour{20, 20, 120, 0}
+                              : Colour{20, 140, 20, 0};
+  });
+  const Vectorization v = vectorize_picture(picture);
+  expect_sound(v, picture);
+  EXPECT_GT(v.report.chains, 1U);
+  EXPECT_GT(psnr(picture, v.model), 30);
+  const image::Image large = rendered(v.model, {.width = 640, .height = 480});
+  // On the line, and two pixels beside it on both sides.
+  EXPECT_NEAR(large.at(8 * 39, 240, 0), 240, 30);
+  EXPECT_NEAR(large.at(8 * 36, 240, 2), 120, 25);
+  EXPECT_NEAR(large.at(8 * 42, 240, 1), 140, 25);
+}
+
+TEST(Vectorize, SmoothPicturesKeepTheIdentity) {
+  const image::Image picture = draw(
+      96, 64, 1, [](double x, double y) { return Colour{128 + 60 * std::sin(x / 20) * std::cos(y / 15)}; });
+  const Vectorization v = vectorize_picture(picture);
+  expect_sound(v, picture);
+  EXPECT_EQ(v.report.chains, 0U);
+  for (const Vec2 d : v.model.displacement) EXPECT_EQ(d, Vec2{});
+  EXPECT_GT(psnr(picture, v.model), 45);
+}
+
+TEST(Vectorize, RoundsEndWhenThePictureIsMet) {
+  const image::Image picture = draw(64, 64, 3, [](double x, double y) { return Colour{x, y, x + y, 0}; });
+  const Vectorization v = vectorize_picture(picture);
+  ASSERT_EQ(v.report.rounds.size(), 3U);  // round 1, descent, final
+  EXPECT_LT(v.report.rounds.front().mec, 0.1);
+  EXPECT_LT(v.report.rounds.front().knots, 12U);
+}
+
+TEST(Vectorize, AnySizeAndAnyChannels) {
+  constexpr std::pair<int, int> kSizes[] = {{1, 1}, {1, 7}, {9, 1}, {2, 2}, {3, 3}, {2, 40}, {17, 13}};
+  for (const auto& [width, height] : kSizes) {
+    for (int channels = 1; channels <= 4; ++channels) {
+      SCOPED_TRACE(testing::Message() << width << " x " << height << " x " << channels);
+      const image::Image picture = test::random_8bit_picture(width, height, channels, 5);
+      const Vectorization v = vectorize_picture(picture);
+      expect_sound(v, picture);
+      if (picture.pixel_count() <= 9) {
+        EXPECT_GT(psnr(picture, v.model), 15);
+      }
+    }
+  }
+}
+
+class BoundOnControlPoints : public testing::TestWithParam<int> {};
+
+TEST_P(BoundOnControlPoints, HoldsForPicturesThatAreAllEdges) {
+  const int kind = GetParam();
+  image::Image picture = test::random_8bit_picture(100, 80, 3, 7);  // noise
+  if (kind == 1) {                                                  // hatching
+    picture = draw(100, 80, 3, [](double x, double y) {
+      return std::fmod(x + 0.5 * y, 5) < 2.5 ? Colour{250, 250, 250, 0} : Colour{10, 10, 10, 0};
+    });
+  }
+  if (kind == 2) {  // little squares, like text
+    picture = draw(100, 80, 3, [](double x, double y) {
+      return std::fmod(x, 11) < 6 && std::fmod(y, 13) < 8 ? Colour{0, 0, 0, 0} : Colour{255, 255, 255, 0};
+    });
+  }
+  for (const std::size_t bound : {60U, 300U, 1000U}) {
+    Options options;
+    options.max_control_points = bound;
+    const Vectorization v = vectorize_picture(picture, options);
+    expect_sound(v, picture);
+    EXPECT_LE(v.model.space->function_count(), bound);
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Kinds, BoundOnControlPoints, testing::Values(0, 1, 2));
+
+TEST(Vectorize, AllDegrees) {
+  const image::Image picture = still_life(90, 70);
+  for (int degree = 1; degree <= 3; ++degree) {
+    Options options;
+    options.degree = degree;
+    options.max_control_points = 400;
+    const Vectorization v = vectorize_picture(picture, options);
+    expect_sound(v, picture);
+    EXPECT_EQ(v.model.space->degree(), degree);
+    EXPECT_LE(v.model.space->function_count(), 400U);
+    EXPECT_GT(psnr(picture, v.model), 30) << degree;
+  }
+}
+
+TEST(Vectorize, ReportsAndShowsEveryStage) {
+  const image::Image picture = still_life(90, 70);
+  std::vector<std::string> stages;
+  const Vectorization v = vectorize_picture(picture, {}, [&](const Progress& p) {
+    stages.push_back(p.stage);
+    EXPECT_EQ(p.picture, &picture);
+    if (p.stage == "knots") {
+      EXPECT_TRUE(p.detected && p.faired && p.corrected && p.parametrization && p.knot_mesh);
+    }
+    if (p.stage == "final") {
+      EXPECT_TRUE(p.model && p.residual);
+    }
+  });
+  const std::vector<std::string> first{"features",        "fairing", "correction",
+                                       "parametrization", "knots",   "round 1"};
+  ASSERT_GE(stages.size(), first.size());
+  EXPECT_TRUE(std::equal(first.begin(), first.end(), stages.begin()));
+  EXPECT_EQ(stages.back(), "final");
+  const RoundReport& last = v.report.rounds.back();
+  EXPECT_EQ(last.control_points, v.model.space->function_count());
+  EXPECT_EQ(last.knots, v.model.space->mesh().knots.size());
+  EXPECT_EQ(last.raw_bytes, document::raw_accounting_bytes(v.model));
+}
+
+TEST(Vectorize, StopsWhenTheObserverThrows) {
+  const image::Image picture = still_life(60, 50);
+  EXPECT_THROW(vectorize_picture(picture, {},
+                                 [](const Progress&) { throw Error(ErrorKind::kInterrupted, "stopped"); }),
+               Error);
+}
+
+TEST(Vectorize, RefusesOptionsOutOfRange) {
+  const image::Image picture = still_life(20, 20);
+  Options options;
+  options.degree = 4;
+  EXPECT_THROW(vectorize_picture(picture, options), Error);
+  options = {};
+  options.rounds = 0;
+  EXPECT_THROW(vectorize_picture(picture, options), Error);
+  EXPECT_THROW(vectorize_picture(image::Image{}, {}), Error);
+}
+
+}  // namespace
+}  // namespace knotreel::vectorize
