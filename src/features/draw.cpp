@@ -71,8 +71,13 @@ class Drawing {
  private:
   std::vector<std::vector<int>> hard_parts(const std::vector<int>& path);
   void place(const std::vector<int>& path);
+  /// Anchors beside the path are of the same ridge: they would start the same walk once more.
+  void give_up(int pixel) {
+    given_up_[std::size_t(pixel)] = 1;
+    for (int d = 0; d < 8; ++d) given_up_[std::size_t(map_.neighbour(pixel, d))] = 1;
+  }
   void give_up(const std::vector<int>& path) {
-    for (const int i : path) given_up_[std::size_t(i)] = 1;
+    for (const int i : path) give_up(i);
   }
 
   const GradientField& field_;
@@ -108,7 +113,7 @@ std::vector<std::vector<int>> Drawing::hard_parts(const std::vector<int>& path) 
       parts.back().push_back(path[i]);
     } else {
       walker_.close(path[i]);
-      given_up_[std::size_t(path[i])] = 1;
+      give_up(path[i]);
     }
     open = hard;
   }

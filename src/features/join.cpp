@@ -4,6 +4,7 @@
 #include <cmath>
 #include <optional>
 #include <tuple>
+#include <utility>
 
 #include "knotreel/base/vec2.h"
 
@@ -132,6 +133,24 @@ bool try_bridge(LinkMap& map, const std::vector<int>& tail, const Bridge& bridge
   return false;
 }
 
+/// Draws `count` pixels from the tip on, the last of which, and only that, has to lie at a side, and at one
+/// only.
+bool run_to_side(LinkMap& map, int tip, int count, Vec2 slope) {
+  std::vector<int> path{tip};
+  for (int k = 1; k <= count; ++k) {
+    const int x = map.x(tip) + int(std::lround(k * slope.x));
+    const int y = map.y(tip) + int(std::lround(k * slope.y));
+    if (x < 0 || y < 0 || x >= map.width() || y >= map.height()) return false;
+    path.push_back(map.index(x, y));
+    if (map.drawn(path.back()) || map.at_side(path.back()) != (k == count)) return false;
+  }
+  if (map.in_corner(path.back())) return false;
+  map.link_all(path);
+  if (std::all_of(path.begin(), path.end(), [&](int i) { return map.sound(i); })) return true;
+  map.unlink_all(path);
+  return false;
+}
+
 }  // namespace
 
 bool join_tip(LinkMap& map, int tip, Join join) {
@@ -152,35 +171,22 @@ bool extend_to_side(LinkMap& map, int tip) {
   if (map.degree(tip) != 1 || map.at_side(tip)) return false;
   const std::vector<int> tail = tail_of(map, tip);
   const Vec2 heading = vector_between(map, tail[std::min<std::size_t>(4, tail.size() - 1)], tip);
-  const int x = map.x(tip);
-  const int y = map.y(tip);
+  const int gaps[4] = {map.width() - 1 - map.x(tip), map.height() - 1 - map.y(tip), map.x(tip), map.y(tip)};
   constexpr int kNearSide = 3;
-  // The side that the chain heads for most directly.
-  const int gaps[4] = {map.width() - 1 - x, map.height() - 1 - y, x, y};
-  int side = -1;
-  double most = 0.5 * norm(heading);
+  // The sides that it heads for, the most directly first.
+  std::vector<std::pair<double, int>> sides;
   for (int s = 0; s < 4; ++s) {
     const double towards = heading.x * kStepX[2 * s] + heading.y * kStepY[2 * s];
-    if (gaps[s] <= kNearSide && towards > most) {
-      side = s;
-      most = towards;
-    }
+    if (gaps[s] <= kNearSide && towards > 0.5 * norm(heading)) sides.emplace_back(-towards, s);
   }
-  if (side < 0) return false;
-  const Vec2 slope{std::clamp(heading.x / most, -1.0, 1.0), std::clamp(heading.y / most, -1.0, 1.0)};
-  std::vector<int> path{tip};
-  for (int k = 1; k <= gaps[side]; ++k) {
-    const int next_x = x + int(std::lround(k * slope.x));
-    const int next_y = y + int(std::lround(k * slope.y));
-    if (next_x < 0 || next_y < 0 || next_x >= map.width() || next_y >= map.height()) return false;
-    path.push_back(map.index(next_x, next_y));
-    // Only the last pixel lies at a side, and at one only.
-    if (map.drawn(path.back()) || map.at_side(path.back()) != (k == gaps[side])) return false;
+  std::sort(sides.begin(), sides.end());
+  for (const auto& [towards, s] : sides) {
+    const Vec2 ahead{std::clamp(heading.x / -towards, -1.0, 1.0),
+                     std::clamp(heading.y / -towards, -1.0, 1.0)};
+    if (run_to_side(map, tip, gaps[s], ahead)) return true;
+    // Near a corner of the picture, straight to one of its sides.
+    if (run_to_side(map, tip, gaps[s], {double(kStepX[2 * s]), double(kStepY[2 * s])})) return true;
   }
-  if (map.in_corner(path.back())) return false;
-  map.link_all(path);
-  if (std::all_of(path.begin(), path.end(), [&](int i) { return map.sound(i); })) return true;
-  map.unlink_all(path);
   return false;
 }
 

@@ -80,8 +80,8 @@ Vec2 refine_position(const GradientField& field, int x, int y) {
   // A level per ten pixels: no edge, but rounding.
   if (std::max(std::abs(g.x), std::abs(g.y)) < 0.1) return centre;
   const double offset = edge_offset(Profile(field, x, y, g));
-  // The edge, a line across g, meets the row (or column) at the offset. Its nearest point, rather than that
-  // one, keeps pixels of slanted edges from moving along the edge, towards each other.
+  // The edge, a line across g, meets the row (or column) at the offset; its nearest point is the shortest way
+  // there, which leaves the curves the most room.
   const double dominant = is_vertical(g) ? g.x : g.y;
   return centre + (offset * dominant / dot(g, g)) * g;
 }

@@ -164,17 +164,18 @@ std::vector<Vec2> fit_geometry(const PixelValues& values, std::span<const Vec2> 
   return displacement;
 }
 
-double geometry_error(const spline::Basis& basis, std::span<const Vec2> displacement,
-                      std::span<const CurvePoint> curves) {
+std::vector<double> geometry_errors(const spline::Basis& basis, std::span<const Vec2> displacement,
+                                    std::span<const CurvePoint> curves) {
   std::vector<spline::BasisValue> values;
-  double sum = 0;
+  std::vector<double> errors;
+  errors.reserve(curves.size());
   for (const CurvePoint& p : curves) {
     Vec2 at = p.parameter;
     basis.evaluate(p.parameter, values);
     for (const auto& v : values) at = at + v.value * displacement[basis.space().geometry_of()[v.function]];
-    sum += norm(at - p.position);
+    errors.push_back(norm(at - p.position));
   }
-  return curves.empty() ? 0 : sum / static_cast<double>(curves.size());
+  return errors;
 }
 
 }  // namespace knotreel::fit

@@ -118,8 +118,8 @@ PixelPlaces invert_geometry(const PixelValues& values, std::span<const Vec2> dis
         continue;
       }
       const Vec2 miss = centre - (at + offset);
-      result.places[i] =
-          norm(miss) < kTolerance ? at : geometry.place_of(centre, geometry.clamped(at + miss), jets);
+      const Vec2 next = geometry.clamped(at + miss);
+      result.places[i] = norm(miss) < kOneStep ? next : geometry.place_of(centre, next, jets);
     }
   });
   const auto& mesh = values.basis().space().mesh();

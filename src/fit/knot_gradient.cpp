@@ -18,7 +18,7 @@ using spline::Affine;
 using spline::Piece;
 using spline::PieceTerm;
 
-constexpr double kStep = 1e-4;  // pixels
+constexpr double kStep = 1e-5;  // pixels, for differences of coefficients
 
 /// Two unit directions in which a knot may move; the second is unused for knots on a line.
 struct Directions {
@@ -45,6 +45,161 @@ std::vector<Directions> free_directions(const mesh::KnotMesh& mesh) {
   return result;
 }
 
+/// c + x (ux - ox) + y (uy - oy) with a common origin o: what pieces are made of, so that they can be
+/// subtracted.
+struct Plane {
+  double c = 0;
+  double x = 0;
+  double y = 0;
+};
+
+Plane plane_of(const Affine& a, Vec2 origin) {
+  return {a(origin), a.nx, a.ny};
+}
+
+Plane operator-(const Plane& a, const Plane& b) {
+  return {a.c - b.c, a.x - b.x, a.y - b.y};
+}
+
+/// One term of a piece: min of the slopes, inside the walls, times the factor, times the three weights. What
+/// is missing is filled in so that it changes nothing: one loop for all kinds.
+struct Shape {
+  std::array<Plane, 4> slopes{Plane{1e300, 0, 0}, Plane{1e300, 0, 0}, Plane{1e300, 0, 0}, Plane{1e300, 0, 0}};
+  std::array<Plane, 3> walls{Plane{1, 0, 0}, Plane{1, 0, 0}, Plane{1, 0, 0}};
+  Plane factor{1, 0, 0};
+  std::array<Plane, 3> weights{};
+};
+
+Shape shape_of(const Piece& piece, const PieceTerm& term, Vec2 origin) {
+  Shape s;
+  if (term.tent.slope_count == 0) s.slopes[0] = {term.tent.constant, 0, 0};
+  for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.slope_count); ++i) {
+    s.slopes[i] = plane_of(term.tent.slopes[i], origin);
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.wall_count); ++i) {
+    s.walls[i] = plane_of(term.tent.walls[i], origin);
+  }
+  if (term.has_factor) s.factor = plane_of(term.factor, origin);
+  for (std::size_t i = 0; i < 3; ++i) s.weights[i] = plane_of(piece.weights[i], origin);
+  return s;
+}
+
+/// Sums over pixels of a quantity, of it times x - ox, and of it times y - oy.
+struct PlaneMoments {
+  double c = 0;
+  double x = 0;
+  double y = 0;
+};
+
+double dot(const Plane& p, const PlaneMoments& m) {
+  return p.c * m.c + p.x * m.x + p.y * m.y;
+}
+
+/// Derivative of sum over pixels of (q_0 w_0 + q_1 w_1 + q_2 w_2) * factor * min of slopes by each of its
+/// planes.
+struct ShapeGradient {
+  std::array<PlaneMoments, 4> slopes{};
+  PlaneMoments factor{};
+  std::array<PlaneMoments, 3> weights{};
+};
+
+/// How the sum changes when the planes change like this.
+double change(const ShapeGradient& g, const Shape& from, const Shape& to) {
+  double sum = dot(to.factor - from.factor, g.factor);
+  for (std::size_t i = 0; i < 4; ++i) sum += dot(to.slopes[i] - from.slopes[i], g.slopes[i]);
+  for (std::size_t i = 0; i < 3; ++i) sum += dot(to.weights[i] - from.weights[i], g.weights[i]);
+  return sum;
+}
+
+/// A row of pixels, padded with zeros to a multiple of kLanes: places relative to the origin, and residual
+/// times control point for each of the three functions.
+struct PixelRow {
+  static constexpr std::size_t kLanes = 8;
+  std::vector<double> x, y;
+  std::array<std::vector<double>, 3> q;
+  /// Scratch: the quantities whose moments are taken.
+  std::array<std::vector<double>, 8> out;
+
+  void resize(std::size_t n) {
+    const std::size_t padded = (n + kLanes - 1) / kLanes * kLanes;
+    for (auto* v : {&x, &y, &q[0], &q[1], &q[2]}) v->assign(padded, 0.0);
+    for (auto& v : out) v.resize(padded);
+  }
+};
+
+/// Adds one row.
+KNOTREEL_MULTIVERSION
+void add_row(const Shape& shape, PixelRow& row, ShapeGradient& gradient) {
+  const Shape s = shape;
+  const std::size_t n = row.x.size();
+  const double* __restrict x = row.x.data();
+  const double* __restrict y = row.y.data();
+  const double* __restrict q0 = row.q[0].data();
+  const double* __restrict q1 = row.q[1].data();
+  const double* __restrict q2 = row.q[2].data();
+  double* __restrict o0 = row.out[0].data();
+  double* __restrict o1 = row.out[1].data();
+  double* __restrict o2 = row.out[2].data();
+  double* __restrict o3 = row.out[3].data();
+  double* __restrict of = row.out[4].data();
+  double* __restrict p0 = row.out[5].data();
+  double* __restrict p1 = row.out[6].data();
+  double* __restrict p2 = row.out[7].data();
+  for (std::size_t i = 0; i < n; ++i) {
+    const auto at = [&](const Plane& p) { return p.c + p.x * x[i] + p.y * y[i]; };
+    const double v0 = at(s.slopes[0]);
+    const double v1 = at(s.slopes[1]);
+    const double v2 = at(s.slopes[2]);
+    const double v3 = at(s.slopes[3]);
+    const double a = v1 < v0 ? v1 : v0;
+    const double b = v3 < v2 ? v3 : v2;
+    const double least = b < a ? b : a;
+    const double d0 = at(s.walls[0]);
+    const double d1 = at(s.walls[1]);
+    const double d2 = at(s.walls[2]);
+    const double d01 = d1 < d0 ? d1 : d0;
+    const double d = d2 < d01 ? d2 : d01;
+    double v = least > 0 ? least : 0;
+    v = d > 0 ? v : 0;
+    const double share = at(s.weights[0]) * q0[i] + at(s.weights[1]) * q1[i] + at(s.weights[2]) * q2[i];
+    const double f = at(s.factor);
+    const double slope = v > 0 ? share * f : 0;
+    // Each pixel counts for the slope that rules there; ties go to the first.
+    o0[i] = v0 <= least ? slope : 0;
+    o1[i] = v1 <= least && v0 > least ? slope : 0;
+    o2[i] = v2 <= least && a > least ? slope : 0;
+    o3[i] = v3 <= least && a > least && v2 > least ? slope : 0;
+    of[i] = v * share;
+    p0[i] = v * f * q0[i];
+    p1[i] = v * f * q1[i];
+    p2[i] = v * f * q2[i];
+  }
+  const auto add = [&](const double* __restrict o, PlaneMoments& m) {
+    double c[PixelRow::kLanes] = {};
+    double mx[PixelRow::kLanes] = {};
+    double my[PixelRow::kLanes] = {};
+    for (std::size_t i = 0; i < n; i += PixelRow::kLanes) {
+      for (std::size_t l = 0; l < PixelRow::kLanes; ++l) {
+        c[l] += o[i + l];
+        mx[l] += o[i + l] * x[i + l];
+        my[l] += o[i + l] * y[i + l];
+      }
+    }
+    for (std::size_t l = 0; l < PixelRow::kLanes; ++l) {
+      m.c += c[l];
+      m.x += mx[l];
+      m.y += my[l];
+    }
+  };
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (s.slopes[k].c < 1e299) add(row.out[k].data(), gradient.slopes[k]);
+  }
+  if (s.factor.x != 0 || s.factor.y != 0) add(of, gradient.factor);
+  add(p0, gradient.weights[0]);
+  add(p1, gradient.weights[1]);
+  add(p2, gradient.weights[2]);
+}
+
 /// Columns of row y where a term can be positive, for pixels at most `slack` from their centres.
 std::pair<int, int> columns_of(const PieceTerm& term, double y, double slack, int width) {
   double low = term.low.x - slack;
@@ -62,94 +217,19 @@ std::pair<int, int> columns_of(const PieceTerm& term, double y, double slack, in
   return {clamped(std::ceil(low - 0.5)), clamped(std::floor(high - 0.5) + 1)};
 }
 
-/// One row of pixels around a config: residual times control point, for each of its three functions.
-struct ResidualRow {
-  std::array<std::vector<double>, 3> q;
-  int begin = 0;
-};
-
-/// Tent, factor and weights of one piece, with what is missing filled in so that it changes nothing: one loop
-/// for all kinds.
-struct Shape {
-  std::array<Affine, 4> slopes{};
-  std::array<double, 4> high{1e300, 1e300, 1e300, 1e300};
-  std::array<Affine, 3> walls{};
-  std::array<double, 3> inside{1, 1, 1};
-  Affine factor{};
-  double plain = 1;
-  std::array<Affine, 3> weights{};
-};
-
-Shape shape_of(const Piece& piece, const PieceTerm& term) {
-  Shape s;
-  if (term.tent.slope_count == 0) s.high[0] = term.tent.constant;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.slope_count); ++i) {
-    s.slopes[i] = term.tent.slopes[i];
-    s.high[i] = 0;
-  }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.wall_count); ++i) {
-    s.walls[i] = term.tent.walls[i];
-    s.inside[i] = 0;
-  }
-  if (term.has_factor) {
-    s.factor = term.factor;
-    s.plain = 0;
-  }
-  s.weights = piece.weights;
-  return s;
-}
-
-/// Sum over n pixels at (x, y) of tent * factor * sum_v weights[v] * q[v].
-KNOTREEL_MULTIVERSION
-double row_sum(const Shape& shape, const double* __restrict x, const double* __restrict y,
-               const double* __restrict q0, const double* __restrict q1, const double* __restrict q2, int n) {
-  const Shape s = shape;
-  const auto at = [&](int i) {
-    const double ux = x[i];
-    const double uy = y[i];
-    const auto value = [&](const Affine& a) { return a.nx * (ux - a.px) + a.ny * (uy - a.py); };
-    const double v0 = value(s.slopes[0]) + s.high[0];
-    const double v1 = value(s.slopes[1]) + s.high[1];
-    const double v2 = value(s.slopes[2]) + s.high[2];
-    const double v3 = value(s.slopes[3]) + s.high[3];
-    const double a = v1 < v0 ? v1 : v0;
-    const double b = v3 < v2 ? v3 : v2;
-    double v = b < a ? b : a;
-    v = v > 0 ? v : 0;
-    const double d0 = value(s.walls[0]) + s.inside[0];
-    const double d1 = value(s.walls[1]) + s.inside[1];
-    const double d2 = value(s.walls[2]) + s.inside[2];
-    const double d01 = d1 < d0 ? d1 : d0;
-    const double d = d2 < d01 ? d2 : d01;
-    v = d > 0 ? v : 0;
-    return v * (value(s.factor) + s.plain) *
-           (value(s.weights[0]) * q0[i] + value(s.weights[1]) * q1[i] + value(s.weights[2]) * q2[i]);
-  };
-  // Eight sums side by side: the order is fixed, whatever the vector width.
-  double sums[8] = {};
-  int i = 0;
-  for (; i + 8 <= n; i += 8) {
-    for (int l = 0; l < 8; ++l) sums[l] += at(i + l);
-  }
-  for (int l = 0; i < n; ++i, ++l) sums[l] += at(i);
-  return ((sums[0] + sums[1]) + (sums[2] + sums[3])) + ((sums[4] + sums[5]) + (sums[6] + sums[7]));
-}
-
-class Differences {
+class Derivatives {
  public:
-  Differences(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit)
+  Derivatives(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit)
       : basis_(basis),
-        pixels_(pixels),
+        image_(*pixels.image),
         fit_(fit),
         directions_(free_directions(basis.space().mesh())),
-        places_(pixels.image->width, pixels.image->height, 1, 1, pixels.places),
-        weighted_(fit.residual),
-        centres_(static_cast<std::size_t>(pixels.image->width)) {
-    const auto channels = static_cast<std::size_t>(pixels.image->channels);
+        places_(image_.width, image_.height, 1, 1, pixels.places),
+        weighted_(fit.residual) {
+    const auto channels = static_cast<std::size_t>(image_.channels);
     for (std::size_t i = 0; i < weighted_.size() && !pixels.weights.empty(); ++i) {
       weighted_[i] *= pixels.weights[i / channels];
     }
-    for (std::size_t x = 0; x < centres_.size(); ++x) centres_[x] = static_cast<double>(x) + 0.5;
   }
 
   struct Share {
@@ -157,148 +237,128 @@ class Differences {
     Vec2 value;
   };
 
-  /// d/dt of sum over pixels of r . S_config for the knots of one config, times the directions.
+  /// d/dt of sum over pixels of r . S_config for the knots of one config.
   void add_config(std::size_t config, std::vector<Share>& out) const {
+    const Piece& piece = basis_.pieces().pieces[config];
+    if (piece.term_begin == piece.term_end) return;
+    const auto terms =
+        std::span(basis_.pieces().terms).subspan(piece.term_begin, piece.term_end - piece.term_begin);
     const spline::SplineSpace& space = basis_.space();
-    const spline::Config& c = space.configs()[config];
-    std::array<KnotIndex, 5> knots{};
-    std::size_t count = 0;
-    const auto add_knot = [&](spline::CornerIndex corner) {
-      const KnotIndex k = space.cut().corners[corner].knot;
-      if (std::find(knots.begin(), knots.begin() + static_cast<std::ptrdiff_t>(count), k) ==
-          knots.begin() + static_cast<std::ptrdiff_t>(count)) {
-        knots[count++] = k;
-      }
-    };
-    for (const auto corner : c.triangle) add_knot(corner);
-    for (int i = 0; i + 1 < space.degree(); ++i) add_knot(c.inner[static_cast<std::size_t>(i)]);
+    const Vec2 origin = space.position(space.configs()[config].triangle[0]);
+    thread_local std::vector<Shape> shapes;
+    thread_local std::vector<ShapeGradient> gradients;
+    shapes.clear();
+    for (const PieceTerm& term : terms) shapes.push_back(shape_of(piece, term, origin));
+    gradients.assign(shapes.size(), {});
+    sum_pixels(config, terms, origin, shapes, gradients);
 
-    std::vector<Variant> variants;
-    add_variant(config, {mesh::KnotIndex(0xffffffffu), {}}, variants);
-    for (std::size_t i = 0; i < count; ++i) {
-      const Vec2 p = space.mesh().knots[knots[i]].position;
-      for (int d = 0; d < directions_[knots[i]].count; ++d) {
-        const Vec2 direction = directions_[knots[i]].d[static_cast<std::size_t>(d)];
-        add_variant(config, {knots[i], p + kStep * direction}, variants);
+    thread_local std::vector<PieceTerm> shifted;
+    for (const KnotIndex k : knots_of(config)) {
+      Share share{k, {}};
+      for (int d = 0; d < directions_[k].count; ++d) {
+        const Vec2 direction = directions_[k].d[static_cast<std::size_t>(d)];
+        shifted.clear();
+        const Piece moved = spline::make_shifted_piece(
+            space, config, {k, space.mesh().knots[k].position + kStep * direction}, shifted);
+        if (shifted.size() != shapes.size()) continue;  // as good as degenerate
+        double sum = 0;
+        for (std::size_t t = 0; t < shapes.size(); ++t) {
+          if (shifted[t].tent.slope_count != terms[t].tent.slope_count) continue;
+          sum += change(gradients[t], shapes[t], shape_of(moved, shifted[t], origin));
+        }
+        share.value = share.value + (sum / kStep) * direction;
       }
-    }
-    if (variants.size() == 1) return;
-    sum_variants(c, variants);
-    std::size_t v = 1;
-    for (std::size_t i = 0; i < count; ++i) {
-      Share share{knots[i], {}};
-      for (int d = 0; d < directions_[knots[i]].count; ++d, ++v) {
-        const double slope = (variants[v].sum - variants[0].sum) / kStep;
-        share.value = share.value + slope * directions_[knots[i]].d[static_cast<std::size_t>(d)];
-      }
-      out.push_back(share);
+      if (directions_[k].count > 0) out.push_back(share);
     }
   }
 
  private:
-  struct Variant {
-    Piece piece;
-    std::vector<PieceTerm> terms;
-    std::vector<Shape> shapes;
-    double sum = 0;
-  };
-
-  void add_variant(std::size_t config, const spline::KnotShift& shift, std::vector<Variant>& out) const {
-    Variant v;
-    v.piece = spline::make_shifted_piece(basis_.space(), config, shift, v.terms);
-    for (const PieceTerm& term : v.terms) v.shapes.push_back(shape_of(v.piece, term));
-    out.push_back(std::move(v));
+  std::vector<KnotIndex> knots_of(std::size_t config) const {
+    const spline::SplineSpace& space = basis_.space();
+    const spline::Config& c = space.configs()[config];
+    std::vector<KnotIndex> knots;
+    for (const auto corner : c.triangle) knots.push_back(space.cut().corners[corner].knot);
+    for (int i = 0; i + 1 < space.degree(); ++i) {
+      knots.push_back(space.cut().corners[c.inner[static_cast<std::size_t>(i)]].knot);
+    }
+    std::sort(knots.begin(), knots.end());
+    knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
+    return knots;
   }
 
-  void sum_variants(const spline::Config& config, std::vector<Variant>& variants) const {
-    const image::Image& image = *pixels_.image;
-    Vec2 low{1e300, 1e300};
-    Vec2 high{-1e300, -1e300};
-    for (const Variant& v : variants) {
-      for (const PieceTerm& t : v.terms) {
-        low = {std::min(low.x, t.low.x), std::min(low.y, t.low.y)};
-        high = {std::max(high.x, t.high.x), std::max(high.y, t.high.y)};
-      }
-    }
-    if (!(low.x <= high.x)) return;
+  void sum_pixels(std::size_t config, std::span<const PieceTerm> terms, Vec2 origin,
+                  const std::vector<Shape>& shapes, std::vector<ShapeGradient>& gradients) const {
+    // All terms of a piece have the same box.
+    const Vec2 low = terms.front().low;
+    const Vec2 high = terms.front().high;
     const double slack = places_.reach(low, high);
     const auto clamped = [](double v, int n) { return static_cast<int>(std::clamp(v, 0.0, double(n))); };
-    const int left = clamped(std::ceil(low.x - slack - 0.5), image.width);
-    const int right = clamped(std::floor(high.x + slack - 0.5) + 1, image.width);
-    const int top = clamped(std::ceil(low.y - slack - 0.5), image.height);
-    const int bottom = clamped(std::floor(high.y + slack - 0.5) + 1, image.height);
-    thread_local ResidualRow row;
-    row.begin = left;
-    for (auto& q : row.q) q.resize(static_cast<std::size_t>(std::max(0, right - left)));
+    const int top = clamped(std::ceil(low.y - slack - 0.5), image_.height);
+    const int bottom = clamped(std::floor(high.y + slack - 0.5) + 1, image_.height);
+    thread_local PixelRow row;
     for (int y = top; y < bottom; ++y) {
-      // Only where the piece as it is can be positive; a shift by kStep hardly reaches beyond.
-      int from = right;
-      int to = left;
-      for (const PieceTerm& term : variants[0].terms) {
-        const auto [first, last] = columns_of(term, y + 0.5, slack + 2 * kStep, image.width);
-        from = std::min(from, std::max(first, left));
-        to = std::max(to, std::min(last, right));
+      int from = image_.width;
+      int to = 0;
+      for (const PieceTerm& term : terms) {
+        const auto [first, last] = columns_of(term, y + 0.5, slack, image_.width);
+        if (first >= last) continue;
+        from = std::min(from, first);
+        to = std::max(to, last);
       }
       if (from >= to) continue;
-      fill_row(config, y, from, to, row);
-      const double* x = slack > 0 ? places_.x(y) + from : centres_.data() + from;
-      const double* v = slack > 0 ? places_.y(y) + from : heights(y);
-      const auto at = static_cast<std::size_t>(from - left);
-      for (Variant& variant : variants) {
-        for (const Shape& shape : variant.shapes) {
-          variant.sum += row_sum(shape, x, v, row.q[0].data() + at, row.q[1].data() + at,
-                                 row.q[2].data() + at, to - from);
-        }
-      }
+      fill_row(config, y, from, to, origin, slack > 0, row);
+      for (std::size_t t = 0; t < terms.size(); ++t) add_row(shapes[t], row, gradients[t]);
     }
   }
 
-  /// A row of equal heights for pixels at their centres.
-  const double* heights(int y) const {
-    thread_local std::vector<double> row;
-    row.assign(centres_.size(), y + 0.5);
-    return row.data();
-  }
-
-  /// Weighted residual times control points for the pixels [from, to) of a row.
-  void fill_row(const spline::Config& config, int y, int from, int to, ResidualRow& row) const {
-    const auto channels = static_cast<std::size_t>(pixels_.image->channels);
-    const std::size_t start = static_cast<std::size_t>(y) * static_cast<std::size_t>(pixels_.image->width);
+  /// The pixels [from, to) of a row.
+  void fill_row(std::size_t config, int y, int from, int to, Vec2 origin, bool moved, PixelRow& row) const {
+    const auto n = static_cast<std::size_t>(to - from);
+    row.resize(n);
+    if (moved) {
+      const double* x = places_.x(y) + from;
+      const double* v = places_.y(y) + from;
+      for (std::size_t i = 0; i < n; ++i) row.x[i] = x[i] - origin.x;
+      for (std::size_t i = 0; i < n; ++i) row.y[i] = v[i] - origin.y;
+    } else {
+      for (std::size_t i = 0; i < n; ++i) row.x[i] = (from + 0.5 - origin.x) + static_cast<double>(i);
+      std::fill_n(row.y.begin(), n, y + 0.5 - origin.y);
+    }
+    const auto channels = static_cast<std::size_t>(image_.channels);
+    const float* pixels =
+        weighted_.data() +
+        (static_cast<std::size_t>(y) * std::size_t(image_.width) + static_cast<std::size_t>(from)) * channels;
+    const auto& functions = basis_.space().configs()[config].functions;
     for (std::size_t v = 0; v < 3; ++v) {
-      double* q = row.q[v].data() - row.begin;
-      if (config.functions[v] == spline::kNoFunction) {
-        std::fill(q + from, q + to, 0.0);
-        continue;
-      }
-      const double* control = fit_.control.data() + config.functions[v] * channels;
-      const float* r = weighted_.data() + (start + static_cast<std::size_t>(from)) * channels;
-      for (int x = from; x < to; ++x, r += channels) {
+      if (functions[v] == spline::kNoFunction) continue;
+      const double* control = fit_.control.data() + functions[v] * channels;
+      const float* r = pixels;
+      for (std::size_t i = 0; i < n; ++i, r += channels) {
         double sum = 0;
         for (std::size_t c = 0; c < channels; ++c) sum += static_cast<double>(r[c]) * control[c];
-        q[x] = sum;
+        row.q[v][i] = sum;
       }
     }
   }
 
   const spline::Basis& basis_;
-  const Pixels& pixels_;
+  const image::Image& image_;
   const ColourFit& fit_;
   std::vector<Directions> directions_;
   spline::Places places_;
   std::vector<float> weighted_;  ///< residual times weight
-  std::vector<double> centres_;  ///< x of the pixels of a row
 };
 
 }  // namespace
 
 std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit) {
-  const Differences differences(basis, pixels, fit);
+  const Derivatives derivatives(basis, pixels, fit);
   const std::size_t configs = basis.space().configs().size();
   constexpr std::size_t kBlock = 128;
-  std::vector<std::vector<Differences::Share>> shares((configs + kBlock - 1) / kBlock);
+  std::vector<std::vector<Derivatives::Share>> shares((configs + kBlock - 1) / kBlock);
   parallel_for(shares.size(), [&](std::size_t b) {
     for (std::size_t c = b * kBlock; c < std::min(configs, (b + 1) * kBlock); ++c) {
-      differences.add_config(c, shares[b]);
+      derivatives.add_config(c, shares[b]);
     }
   });
   std::vector<Vec2> gradient(basis.space().mesh().knots.size());

@@ -150,4 +150,35 @@ std::vector<KnotIndex> refine_knots(EditableMesh& mesh, std::span<const float> s
   return inserted;
 }
 
+std::vector<KnotIndex> refine_features(EditableMesh& mesh, std::span<const CurveError> errors, double bound,
+                                       double min_distance) {
+  // Intervals by segment and first knot, found before any of them is split.
+  std::vector<std::pair<std::uint32_t, std::size_t>> intervals;
+  for (const CurveError& e : errors) {
+    if (!(e.error > bound)) continue;
+    const auto& knots = mesh.segments()[e.segment].knots;
+    const Vec2 from = mesh.position(knots.front());
+    const Vec2 along = mesh.position(knots.back()) - from;
+    const double at = dot(e.place - from, along);
+    std::size_t i = 0;
+    while (i + 2 < knots.size() && dot(mesh.position(knots[i + 1]) - from, along) < at) ++i;
+    intervals.emplace_back(e.segment, i);
+  }
+  std::sort(intervals.begin(), intervals.end());
+  intervals.erase(std::unique(intervals.begin(), intervals.end()), intervals.end());
+  std::vector<KnotIndex> inserted;
+  // Backwards, so that the places of earlier knots of a segment stay valid.
+  for (auto it = intervals.rbegin(); it != intervals.rend(); ++it) {
+    const KnotIndex a = mesh.segments()[it->first].knots[it->second];
+    const KnotIndex b = mesh.segments()[it->first].knots[it->second + 1];
+    const Vec2 p = mesh.position(a);
+    const Vec2 q = mesh.position(b);
+    if (norm(q - p) < 4 * min_distance) continue;
+    const KnotIndex first = mesh.insert_on_edge(mesh.edge_between(a, b), p + (1.0 / 3) * (q - p));
+    const KnotIndex second = mesh.insert_on_edge(mesh.edge_between(first, b), p + (2.0 / 3) * (q - p));
+    inserted.insert(inserted.end(), {first, second});
+  }
+  return inserted;
+}
+
 }  // namespace knotreel::knots

@@ -92,6 +92,17 @@ EditableMesh::Edge EditableMesh::mirror(Edge e) const {
   return {other, n[0] == e.face ? 0 : n[1] == e.face ? 1 : 2};
 }
 
+EditableMesh::Edge EditableMesh::edge_between(KnotIndex a, KnotIndex b) const {
+  std::vector<FaceIndex> ring;
+  faces_around(a, ring);
+  for (const FaceIndex f : ring) {
+    const auto i = static_cast<std::size_t>(corner_of(f, a));
+    if (faces_[f][next(i)] == b) return {f, static_cast<int>(previous(i))};
+    if (faces_[f][previous(i)] == b) return {f, static_cast<int>(next(i))};
+  }
+  throw Error(ErrorKind::kInvalidArgument, "no edge joins these knots");
+}
+
 void EditableMesh::faces_around(KnotIndex k, std::vector<FaceIndex>& out) const {
   out.clear();
   const FaceIndex start = face_of_[k];

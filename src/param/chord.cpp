@@ -18,7 +18,7 @@ constexpr double kFlat = 0.05;
 
 double distance_to_segment(double along, double offset, double length) {
   const double beyond = along < 0 ? -along : std::max(0.0, along - length);
-  return std::hypot(beyond, offset);
+  return std::sqrt(beyond * beyond + offset * offset);
 }
 
 /// Whether the span holds a site, as an end or inside.

@@ -256,7 +256,7 @@ GridValues lay_out(const SplineSpace& space, const PieceSet& set, const Reaches&
   for (GridValues::Row& row : grid.rows) {
     row.x_begin = std::min(row.x_begin, row.x_end);
     row.offset = offset;
-    offset += static_cast<std::size_t>(row.x_end - row.x_begin);
+    offset += static_cast<std::size_t>(row.x_end - row.x_begin) + GridValues::kPadding;
   }
   grid.values.assign(offset, 0.0);
   return grid;

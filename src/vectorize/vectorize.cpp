@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <numeric>
 
 #include "knotreel/base/error.h"
 #include "knotreel/fit/descend.h"
@@ -26,7 +27,7 @@ using mesh::KnotIndex;
 // Share of the control points that the first round may use; the rest is for refinement.
 constexpr double kFirstShare = 0.8;
 // Share of the control points that features may use up, before any knot is put between them.
-constexpr double kFeatureShare = 0.5;
+constexpr double kFeatureShare = 0.7;
 // Piecewise linear functions need more knots for the same error than the splines over the same knots.
 constexpr double kLinearSlack = 1.3;
 // Weight of pixels that a feature crosses.
@@ -68,7 +69,7 @@ class Run {
     max_functions_ =
         options.max_control_points > 0
             ? options.max_control_points
-            : std::max<std::size_t>(16, static_cast<std::size_t>(0.025 * double(picture.pixel_count())));
+            : std::max<std::size_t>(256, static_cast<std::size_t>(0.027 * double(picture.pixel_count())));
   }
 
   Vectorization run() {
@@ -194,29 +195,61 @@ class Run {
       const double functions = estimated_functions(EditableMesh(start_mesh_), options_.degree);
       const double allowed = kFeatureShare * static_cast<double>(max_functions_);
       if (functions <= allowed) break;
-      keep_longest(0.9 * allowed / functions);
+      keep_strongest(0.9 * allowed / functions);
       faired_ = {};
       if (!chains_.chains.empty()) prepare_features();
     }
     make_target();
   }
 
-  /// Drops the shortest chains, until at most this share of the feature pixels is left; at least one chain.
-  void keep_longest(double share) {
-    auto& chains = chains_.chains;
-    std::stable_sort(chains.begin(), chains.end(), [](const features::Chain& a, const features::Chain& b) {
-      return a.points.size() > b.points.size();
-    });
+  /// Contrast beside a chain: the mean over its points of the largest range of a channel in three by three
+  /// pixels.
+  double contrast(const features::Chain& chain) const {
+    double sum = 0;
+    for (const features::ChainPoint& p : chain.points) {
+      float range = 0;
+      for (int c = 0; c < picture_.channels; ++c) {
+        float low = picture_.at(p.x, p.y, c);
+        float high = low;
+        for (int y = std::max(0, p.y - 1); y <= std::min(picture_.height - 1, p.y + 1); ++y) {
+          for (int x = std::max(0, p.x - 1); x <= std::min(picture_.width - 1, p.x + 1); ++x) {
+            low = std::min(low, picture_.at(x, y, c));
+            high = std::max(high, picture_.at(x, y, c));
+          }
+        }
+        range = std::max(range, high - low);
+      }
+      sum += static_cast<double>(range);
+    }
+    return sum / static_cast<double>(chain.points.size());
+  }
+
+  /// Drops the chains of least contrast, until at most this share of the feature pixels is left: what a chain
+  /// costs grows with its length, as does what it is good for, but the latter with its contrast too.
+  void keep_strongest(double share) {
+    struct Ranked {
+      double contrast;
+      features::Chain chain;
+    };
+    std::vector<Ranked> ranked;
     std::size_t pixels = 0;
-    for (const auto& c : chains) pixels += c.points.size();
+    for (features::Chain& c : chains_.chains) {
+      pixels += c.points.size();
+      const double strength = contrast(c);
+      ranked.push_back({strength, std::move(c)});
+    }
+    std::stable_sort(ranked.begin(), ranked.end(),
+                     [](const Ranked& a, const Ranked& b) { return a.contrast > b.contrast; });
     const double allowed = share * static_cast<double>(pixels);
     std::size_t kept = 0;
-    std::size_t count = 0;
-    while (count < chains.size() && static_cast<double>(kept + chains[count].points.size()) <= allowed) {
-      kept += chains[count++].points.size();
+    chains_.chains.clear();
+    for (Ranked& r : ranked) {
+      const std::size_t length = r.chain.points.size();
+      if (static_cast<double>(kept + length) > allowed) continue;
+      kept += length;
+      chains_.chains.push_back(std::move(r.chain));
     }
-    report_.chains_over_budget += chains.size() - count;
-    chains.resize(count);
+    report_.chains_over_budget += ranked.size() - chains_.chains.size();
   }
 
   void parametrize() {
@@ -275,9 +308,17 @@ class Run {
                     std::clamp(u.y, 0.0, double(picture_.height))};
     }
     weights_.assign(n, 1.0F);
+    // initial_mesh() makes the segments in the order of the polylines.
+    std::vector<std::uint32_t> segment_of;
+    std::uint32_t segments = 0;
+    for (const param::Polyline& line : parametrization_.polylines) {
+      segment_of.push_back(segments);
+      segments += static_cast<std::uint32_t>(line.vertices.size() - (line.closed ? 0 : 1));
+    }
     std::vector<std::uint8_t> crossed(n, 0);
     for (const param::CurveSample& s : parametrization_.curve_samples) {
       curves_.push_back({parameter_of(s), s.position});
+      curve_segments_.push_back(segment_of[s.polyline] + s.segment);
       const int x = std::clamp(static_cast<int>(s.position.x), 0, picture_.width - 1);
       const int y = std::clamp(static_cast<int>(s.position.y), 0, picture_.height - 1);
       crossed[std::size_t(y) * std::size_t(picture_.width) + std::size_t(x)] = 1;
@@ -340,13 +381,26 @@ class Run {
     refine.max_knots = static_cast<std::size_t>(0.98 * wanted);
     refine.min_distance = options_.optimise.min_distance;
     mesh_ = std::make_unique<EditableMesh>(surface_.space->mesh());
-    const std::vector<KnotIndex> inserted =
+    std::vector<KnotIndex> inserted = refine_curves();
+    refine.max_knots -= std::min(refine.max_knots, inserted.size());
+    const std::vector<KnotIndex> off_curves =
         knots::refine_knots(*mesh_, squared_errors(), places_, picture_.width, picture_.height, refine);
+    inserted.insert(inserted.end(), off_curves.begin(), off_curves.end());
     lap("insert");
     if (inserted.empty()) return false;
     knots::optimise(*mesh_, *target_, options_.optimise, two_ring(inserted));
     lap("optimise");
     return true;
+  }
+
+  /// Knots on features, where the geometry misses the curves by more than a pixel.
+  std::vector<KnotIndex> refine_curves() {
+    std::vector<knots::CurveError> errors;
+    for (std::size_t i = 0; i < curve_errors_.size(); ++i) {
+      errors.push_back({curve_segments_[i], curves_[i].parameter, curve_errors_[i]});
+    }
+    return knots::refine_features(*mesh_, errors, std::max(1.0, options_.meg),
+                                  options_.optimise.min_distance);
   }
 
   std::vector<float> squared_errors() const {
@@ -424,7 +478,10 @@ class Run {
     displacement_.assign(surface_.space->geometry_count(), Vec2{});
     if (!has_features()) return;
     displacement_ = fit::fit_geometry(values, places_, curves_, options_.geometry);
-    meg_ = fit::geometry_error(values.basis(), displacement_, curves_);
+    curve_errors_ = fit::geometry_errors(values.basis(), displacement_, curves_);
+    meg_ = curve_errors_.empty() ? 0
+                                 : std::accumulate(curve_errors_.begin(), curve_errors_.end(), 0.0) /
+                                       static_cast<double>(curve_errors_.size());
     lap("geometry");
   }
 
@@ -470,6 +527,8 @@ class Run {
   std::vector<Vec2> places_;    ///< empty without features
   std::vector<float> weights_;  ///< empty without features
   std::vector<fit::CurvePoint> curves_;
+  std::vector<std::uint32_t> curve_segments_;  ///< of the knot mesh, parallel to curves_
+  std::vector<double> curve_errors_;           ///< pixels, parallel to curves_
 
   std::unique_ptr<knots::Target> target_;
   mesh::KnotMesh start_mesh_;

@@ -129,9 +129,9 @@ TEST(Detect, TheTwoSidesOfAThinLineAreItsWidthApart) {
 }
 
 TEST(Detect, AntialiasedStraightEdgesAreFoundAtAnyAngle) {
-  for (const double angle : {0.1, 0.4, 0.7, 1.0, 1.3, 1.8, 2.2, 2.9}) {
+  for (const double angle : {0.1, 0.4, 0.7, 0.77, 0.8, 1.0, 1.3, 1.8, 2.2, 2.9}) {
     const Vec2 normal{std::cos(angle), std::sin(angle)};
-    const auto distance = [&](double x, double y) { return dot(normal, Vec2{x - 31.7, y - 32.2}); };
+    const auto distance = [&](double x, double y) { return dot(normal, Vec2{x - 31.7, y - 25.2}); };
     FeatureChains chains =
         detect_features(draw(64, 64, [&](double x, double y) { return distance(x, y) < 0 ? 40.0 : 210.0; }));
     ASSERT_EQ(chains.chains.size(), 1U) << angle;

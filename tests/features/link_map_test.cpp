@@ -184,7 +184,9 @@ TEST(Join, ChainsRunOnToTheSideTheyHeadFor) {
   EXPECT_FALSE(extend_to_side(along, along.index(30, 2))) << "near, but it does not head there";
   LinkMap corner(40, 40);
   corner.link_all(path(corner, {{8, 8}, {7, 7}, {6, 6}, {5, 5}, {4, 4}, {3, 3}, {2, 2}}));
-  EXPECT_FALSE(extend_to_side(corner, corner.index(2, 2))) << "to which of the two sides?";
+  EXPECT_TRUE(extend_to_side(corner, corner.index(2, 2)));
+  EXPECT_FALSE(corner.drawn(corner.index(0, 0))) << "which of the two sides would that be?";
+  EXPECT_EQ(corner.drawn(corner.index(2, 0)) + corner.drawn(corner.index(0, 2)), 1);
 }
 
 }  // namespace

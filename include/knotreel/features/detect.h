@@ -15,8 +15,8 @@ struct DetectOptions {
   /// Levels. Chains whose gradients, summed over their points, are less are dropped, and links of two
   /// junctions below half of it. So short chains have to be strong, and weak ones long: that is what tells
   /// contours from texture.
-  double min_weight = 600;
-  double max_blur = 3;               ///< px; softer edges are left to the smooth spline; 0: off
+  double min_weight = 400;
+  double max_blur = 3.5;             ///< px; softer edges are left to the smooth spline; 0: off
   bool euclidean_magnitude = false;  ///< sqrt(Gx^2 + Gy^2) of [Topal12] in place of max(|Gx|, |Gy|)
 };
 

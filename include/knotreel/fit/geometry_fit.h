@@ -31,9 +31,10 @@ struct GeometryFitOptions {
 std::vector<Vec2> fit_geometry(const PixelValues& values, std::span<const Vec2> places,
                                std::span<const CurvePoint> curves, const GeometryFitOptions& options = {});
 
-/// Mean distance between the feature curves and the surface there (MEG over the features), in pixels.
-double geometry_error(const spline::Basis& basis, std::span<const Vec2> displacement,
-                      std::span<const CurvePoint> curves);
+/// Distances between the points of the feature curves and the surface there, in pixels; their mean is the
+/// MEG.
+std::vector<double> geometry_errors(const spline::Basis& basis, std::span<const Vec2> displacement,
+                                    std::span<const CurvePoint> curves);
 
 /// The geometry part of a surface turned round: where each pixel centre lies in the parametric domain.
 struct PixelPlaces {

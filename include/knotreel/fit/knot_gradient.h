@@ -8,9 +8,10 @@ namespace knotreel::fit {
 
 /// Gradient of the squared error of the best colour fit by the positions of the knots, in squared levels per
 /// pixel: by variable projection it is -2 r^T (dA/dt) c, with the control points c held (docs/algorithm.md,
-/// "descent on the true residual"). dA/dt is taken by differences of each config of Gamma_{k-1} on its own,
-/// so that a knot costs as much as its configs. Zero for knots of kind kVertex; for border and segment knots
-/// the component along their line.
+/// "descent on the true residual"). dA/dt is taken for each config of
+/// Gamma_{k-1} on its own: there the functions are piecewise products of linear ones, whose coefficients are
+/// differenced, so that one pass over the pixels serves all knots. Zero for knots of kind kVertex; for border
+/// and segment knots the component along their line.
 /// @param fit of the same basis and pixels. Parallel; same bits for any number of threads.
 std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit);
 

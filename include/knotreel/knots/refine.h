@@ -27,4 +27,17 @@ std::vector<mesh::KnotIndex> refine_knots(mesh::EditableMesh& mesh, std::span<co
                                           std::span<const Vec2> places, int width, int height,
                                           const RefineOptions& options);
 
+/// A point on a feature segment, and how far the surface is from the feature curve there.
+struct CurveError {
+  std::uint32_t segment = 0;  ///< index in KnotMesh::segments
+  Vec2 place;                 ///< in the domain
+  double error = 0;           ///< pixels
+};
+
+/// Inserts two knots evenly into each interval between knots of a feature segment where the error of a point
+/// is above a bound (paper sec. 8.1), if the interval is long enough to keep them `min_distance` apart.
+/// @return the knots inserted.
+std::vector<mesh::KnotIndex> refine_features(mesh::EditableMesh& mesh, std::span<const CurveError> errors,
+                                             double bound, double min_distance);
+
 }  // namespace knotreel::knots

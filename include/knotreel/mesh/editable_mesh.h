@@ -42,6 +42,7 @@ class EditableMesh {
   bool is_knot(KnotIndex k) const { return face_of_[k] != kNoFace; }
   bool is_face(FaceIndex f) const { return faces_[f][0] != kNoKnot; }
 
+  const std::vector<FeatureSegment>& segments() const { return segments_; }
   const Knot& knot(KnotIndex k) const { return knots_[k]; }
   Vec2 position(KnotIndex k) const { return knots_[k].position; }
   const Face& face(FaceIndex f) const { return faces_[f]; }
@@ -60,6 +61,8 @@ class EditableMesh {
   /// The same edge from its other face; only for edges off the border.
   Edge mirror(Edge e) const;
 
+  /// The edge between two knots that are neighbours.
+  Edge edge_between(KnotIndex a, KnotIndex b) const;
   /// Faces around a knot, in positive order; for a knot on the border, from one side to the other.
   void faces_around(KnotIndex k, std::vector<FaceIndex>& out) const;
 

@@ -26,14 +26,17 @@ struct Options {
   double mec = 2;                      ///< rounds stop when the mean colour error per pixel is below; >= 0
   double meg = 1;                      ///< and the mean error of the feature curves too, pixels; >= 0
   int rounds = 3;                      ///< of fitting, each but the first after inserting knots; 1 or more
-  std::size_t max_control_points = 0;  ///< upper bound; 0: 2.5 % of the pixels
+  std::size_t max_control_points = 0;  ///< upper bound; 0: 2.7 % of the pixels, at least 256
   std::uint64_t seed = 1;              ///< kept in reports; the method draws no random numbers
 
   bool features = true;  ///< whether to look for features at all
   bool fairing = true;
   bool colour_correction = true;
   bool picture_links = true;  ///< link triangulations chosen by the picture
-  features::DetectOptions detect{};
+  /// Stronger edges only than the detector's own default: weaker ones cost more control points than they
+  /// gain.
+  features::DetectOptions detect{
+      .edge_threshold = 12, .anchor_threshold = 40, .min_length = 10, .min_weight = 1200};
   features::FairOptions fair{};
   features::CorrectionOptions correction{};
   param::ParametrizeOptions parametrize{};

@@ -31,7 +31,7 @@ struct RoundReport {
 struct Report {
   std::size_t chains = 0;
   std::size_t chains_over_budget =
-      0;  ///< of these, dropped because features may use half of the control points
+      0;  ///< of these, dropped because features may not use up the control points
   std::size_t feature_pixels = 0;
   std::size_t polyline_vertices = 0;
   int folds_left = 0;             ///< of the parametrization
