@@ -101,6 +101,23 @@ TEST_F(CliVectorizeOptions, EveryOptionReachesThePipeline) {
   }
 }
 
+TEST_F(CliVectorizeOptions, HelpTellsTheDefaultsThatHold) {
+  const std::string help = test::knotreel({"vectorize", "--help"}).out;
+  const json usual = stats({})["options"];
+  const auto told = [&](const std::string& option) {
+    const std::size_t start = help.find("default ", help.find("\n  " + option + " ")) + 8;
+    return std::stod(help.substr(start));
+  };
+  for (const char* option : {"mec", "meg", "rounds", "descent-steps", "degree"}) {
+    std::string name = option;
+    std::replace(name.begin(), name.end(), '-', '_');
+    EXPECT_EQ(told("--" + std::string(option)), usual[name].get<double>()) << option;
+  }
+  EXPECT_EQ(told("--edge-threshold"), usual["detect"]["edge_threshold"].get<double>());
+  EXPECT_EQ(told("--min-feature-length"), usual["detect"]["min_length"].get<double>());
+  EXPECT_EQ(told("--max-blur"), usual["detect"]["max_blur"].get<double>());
+}
+
 TEST_F(CliVectorizeOptions, TheEdgeThresholdTakesTheAnchorsAlong) {
   const json usual = stats({})["options"]["detect"];
   const json twice = stats({"--edge-threshold", std::to_string(2 * usual["edge_threshold"].get<double>())});
