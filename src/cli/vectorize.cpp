@@ -169,7 +169,7 @@ of the document as stored. The same picture and options give the same file.
 Examples:
   knotreel vectorize photo.png -o photo.tcb
   knotreel vectorize photo.png -o fine.tcb --preset fine --max-control-points 5%
-  knotreel vectorize scan.tiff -o scan.tcb --degree 3 --edge-threshold 10 --stats scan.json
+  knotreel vectorize scan.tiff -o scan.tcb --degree 3 --edge-threshold 20 --stats scan.json
   knotreel vectorize logo.png -o logo.tcb --debug-dir logo-stages)";
 
 }  // namespace

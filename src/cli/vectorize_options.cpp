@@ -84,10 +84,10 @@ void add_effort(CLI::App& command, VectorizeOptions& options) {
 }
 
 void add_features(CLI::App& command, VectorizeOptions& options) {
-  const features::DetectOptions defaults;
+  const features::DetectOptions defaults = vectorize::Options{}.detect;
   add_number(command, "--edge-threshold", options.edge_threshold, "L", {0.1, 255},
              fmt::format("Least gradient of an edge, in levels of 0..255 per pixel; a feature needs\n"
-                         "{:g} times as much somewhere ",
+                         "{:.2g} times as much somewhere ",
                          defaults.anchor_threshold / defaults.edge_threshold),
              text_of(defaults.edge_threshold));
   add_number(command, "--min-feature-length", options.min_feature_length, "PX", {0, 100000},

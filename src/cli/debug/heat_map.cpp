@@ -29,10 +29,17 @@ Colour heat(double levels) {
   return mix(kHeat[below], kHeat[below + 1], at - static_cast<double>(below));
 }
 
+/// A sample as it is seen on white paper: colours that alpha hides are no errors.
+double seen(const image::Image& image, int x, int y, int channel) {
+  const auto sample = [&](int c) { return double(std::clamp(image.at(x, y, c), 0.0F, 255.0F)); };
+  const double alpha = image.has_alpha() ? sample(image.channels - 1) / 255 : 1;
+  return 255 + alpha * (sample(channel) - 255);
+}
+
 double error(const image::Image& a, const image::Image& b, int x, int y) {
   double squared = 0;
   for (int c = 0; c < a.colour_channels(); ++c) {
-    const double d = double(a.at(x, y, c)) - double(std::clamp(b.at(x, y, c), 0.0F, 255.0F));
+    const double d = seen(a, x, y, c) - seen(b, x, y, c);
     squared += d * d;
   }
   return std::sqrt(squared);
