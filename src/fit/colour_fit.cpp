@@ -79,7 +79,8 @@ ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const Col
   const Eigen::MatrixXd right = normal.right + ridge * greville_colours(space, image);
   Eigen::MatrixXd control;
   if (options.smooth_corners) {
-    const Eigen::SparseMatrix<double> p = spline::smooth_corner_prolongation(space);
+    const Eigen::SparseMatrix<double> p =
+        spline::smooth_corner_prolongation(space, spline::SharedFunctions::kFree);
     const Eigen::SparseMatrix<double> full = normal.matrix.selfadjointView<Eigen::Lower>();
     const Eigen::SparseMatrix<double> reduced = p.transpose() * full * p;
     control = p * solve(reduced.triangularView<Eigen::Lower>(), p.transpose() * right);

@@ -116,12 +116,12 @@ Eigen::MatrixXd group_prolongation(const SplineSpace& space, const std::vector<F
 
 }  // namespace
 
-Eigen::SparseMatrix<double> smooth_corner_prolongation(const SplineSpace& space) {
+Eigen::SparseMatrix<double> smooth_corner_prolongation(const SplineSpace& space, SharedFunctions shared) {
   Groups groups(space.cut().corners.size());
   std::vector<CornerIndex> some_corner(space.function_count(), kNoCorner);
   for (FunctionIndex f = 0; f < space.function_count(); ++f) {
     const std::vector<CornerIndex> corners = multiple_corners(space, f);
-    if (corners.empty()) continue;
+    if (corners.empty() || (corners.size() > 1 && shared == SharedFunctions::kFree)) continue;
     some_corner[f] = corners.front();
     for (const CornerIndex c : corners) groups.join(corners.front(), c);
   }

@@ -12,7 +12,8 @@ struct ColourFitOptions {
   /// Added to the diagonal of the normal equations, as a share of its largest entry: draws control points
   /// that few pixels decide towards the colour of the picture at their Greville sites. > 0.
   double ridge = 1e-5;
-  /// Keeps the surface C1 (degree 2) or C2 (degree 3) at multiple knots too, see spline/smooth_corners.h.
+  /// Keeps the surface C1 (degree 2) or C2 (degree 3) at multiple knots too, but for functions that two of
+  /// them share (spline/smooth_corners.h).
   bool smooth_corners = true;
 };
 
