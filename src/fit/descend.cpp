@@ -85,12 +85,14 @@ class Guards {
   std::vector<Guard> guards_;
 };
 
-/// Knots on a side or a segment exactly there again, after a move along it.
-void snap_to_lines(KnotMesh& mesh, const KnotMesh& before) {
-  for (KnotIndex k = 0; k < mesh.knots.size(); ++k) {
+/// Where the moves take the knots; those on a side or a segment exactly on it.
+std::vector<Vec2> moved_positions(const KnotMesh& mesh, const std::vector<Vec2>& moves) {
+  std::vector<Vec2> positions(mesh.knots.size());
+  for (KnotIndex k = 0; k < positions.size(); ++k) {
+    const Vec2 old = mesh.knots[k].position;
+    Vec2& p = positions[k];
+    p = old + moves[k];
     if (mesh.knots[k].kind != KnotKind::kBorder) continue;
-    Vec2& p = mesh.knots[k].position;
-    const Vec2 old = before.knots[k].position;
     if (old.x == 0 || old.x == mesh.width) p.x = old.x;
     if (old.y == 0 || old.y == mesh.height) p.y = old.y;
   }
@@ -98,10 +100,11 @@ void snap_to_lines(KnotMesh& mesh, const KnotMesh& before) {
     const Vec2 from = mesh.knots[s.knots.front()].position;
     const Vec2 along = mesh.knots[s.knots.back()].position - from;
     for (std::size_t i = 1; i + 1 < s.knots.size(); ++i) {
-      Vec2& p = mesh.knots[s.knots[i]].position;
+      Vec2& p = positions[s.knots[i]];
       p = from + (dot(p - from, along) / dot(along, along)) * along;
     }
   }
+  return positions;
 }
 
 // Factors of a step while the gradient of its knot keeps its direction, and when it turns.
@@ -140,17 +143,16 @@ class Steps {
 ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options) {
   ColourSurface best = start;
   ColourSurface at = std::move(start);
-  Steps steps(best.space->mesh(), options.first_step);
+  Steps steps(at.space->mesh(), options.first_step);
+  auto basis = std::make_unique<const spline::Basis>(at.space);
   for (int i = 0; i < options.steps; ++i) {
-    const std::vector<Vec2> gradient = knot_gradient(spline::Basis(at.space), pixels, at.fit);
-    std::vector<Vec2> moves = steps.moves(gradient, shortest_edges(at.space->mesh()));
-    Guards(*at.space, options.min_distance).limit(at.space->mesh(), moves);
-    KnotMesh mesh = at.space->mesh();
-    for (KnotIndex k = 0; k < moves.size(); ++k) mesh.knots[k].position = mesh.knots[k].position + moves[k];
-    snap_to_lines(mesh, at.space->mesh());
-    at.space = std::make_shared<const spline::SplineSpace>(
-        spline::SplineSpace::from_link_codes(std::move(mesh), at.space->degree(), at.space->link_codes()));
-    at.fit = fit_colours(spline::Basis(at.space), pixels, options.colour);
+    if (options.on_step) options.on_step();
+    const KnotMesh& mesh = at.space->mesh();
+    std::vector<Vec2> moves = steps.moves(knot_gradient(*basis, pixels, at.fit), shortest_edges(mesh));
+    Guards(*at.space, options.min_distance).limit(mesh, moves);
+    at.space = std::make_shared<const spline::SplineSpace>(at.space->moved(moved_positions(mesh, moves)));
+    basis = std::make_unique<const spline::Basis>(at.space);
+    at.fit = fit_colours(*basis, pixels, options.colour);
     if (at.fit.squared_error < best.fit.squared_error) best = at;
   }
   return best;

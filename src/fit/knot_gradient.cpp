@@ -64,7 +64,7 @@ Plane operator-(const Plane& a, const Plane& b) {
 /// One term of a piece: min of the slopes, inside the walls, times the factor, times the three weights. What
 /// is missing is filled in so that it changes nothing: one loop for all kinds.
 struct Shape {
-  std::array<Plane, 4> slopes{Plane{1e300, 0, 0}, Plane{1e300, 0, 0}, Plane{1e300, 0, 0}, Plane{1e300, 0, 0}};
+  std::array<Plane, 4> slopes{Plane{1e30, 0, 0}, Plane{1e30, 0, 0}, Plane{1e30, 0, 0}, Plane{1e30, 0, 0}};
   std::array<Plane, 3> walls{Plane{1, 0, 0}, Plane{1, 0, 0}, Plane{1, 0, 0}};
   Plane factor{1, 0, 0};
   std::array<Plane, 3> weights{};
@@ -84,15 +84,21 @@ Shape shape_of(const Piece& piece, const PieceTerm& term, Vec2 origin) {
   return s;
 }
 
-/// Sums over pixels of a quantity, of it times x - ox, and of it times y - oy.
+/// Pixels that are summed side by side: the order of the sums is fixed, whatever the vector width.
+constexpr std::size_t kLanes = 8;
+
+/// Sums over pixels of a quantity, of it times x - ox, and of it times y - oy, by lanes.
 struct PlaneMoments {
-  double c = 0;
-  double x = 0;
-  double y = 0;
+  std::array<double, kLanes> c{};
+  std::array<double, kLanes> x{};
+  std::array<double, kLanes> y{};
 };
 
 double dot(const Plane& p, const PlaneMoments& m) {
-  return p.c * m.c + p.x * m.x + p.y * m.y;
+  const auto sum = [](const std::array<double, kLanes>& v) {
+    return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
+  };
+  return p.c * sum(m.c) + p.x * sum(m.x) + p.y * sum(m.y);
 }
 
 /// Derivative of sum over pixels of (q_0 w_0 + q_1 w_1 + q_2 w_2) * factor * min of slopes by each of its
@@ -114,7 +120,6 @@ double change(const ShapeGradient& g, const Shape& from, const Shape& to) {
 /// A row of pixels, padded with zeros to a multiple of kLanes: places relative to the origin, and residual
 /// times control point for each of the three functions.
 struct PixelRow {
-  static constexpr std::size_t kLanes = 8;
   std::vector<double> x, y;
   std::array<std::vector<double>, 3> q;
   /// Scratch: the quantities whose moments are taken.
@@ -127,77 +132,94 @@ struct PixelRow {
   }
 };
 
-/// Adds one row.
-KNOTREEL_MULTIVERSION
-void add_row(const Shape& shape, PixelRow& row, ShapeGradient& gradient) {
-  const Shape s = shape;
-  const std::size_t n = row.x.size();
-  const double* __restrict x = row.x.data();
-  const double* __restrict y = row.y.data();
-  const double* __restrict q0 = row.q[0].data();
-  const double* __restrict q1 = row.q[1].data();
-  const double* __restrict q2 = row.q[2].data();
-  double* __restrict o0 = row.out[0].data();
-  double* __restrict o1 = row.out[1].data();
-  double* __restrict o2 = row.out[2].data();
-  double* __restrict o3 = row.out[3].data();
-  double* __restrict of = row.out[4].data();
-  double* __restrict p0 = row.out[5].data();
-  double* __restrict p1 = row.out[6].data();
-  double* __restrict p2 = row.out[7].data();
+/// The quantities of one row whose moments are taken: o0 to o3 for the slopes, each where it rules, of for
+/// the factor and p0 to p2 for the weights.
+[[gnu::always_inline]] inline void fill_quantities(const Shape& s, std::size_t n, const double* __restrict x,
+                                                   const double* __restrict y, const double* __restrict q0,
+                                                   const double* __restrict q1, const double* __restrict q2,
+                                                   double* __restrict o0, double* __restrict o1,
+                                                   double* __restrict o2, double* __restrict o3,
+                                                   double* __restrict of, double* __restrict p0,
+                                                   double* __restrict p1, double* __restrict p2) {
+  const Plane s0 = s.slopes[0], s1 = s.slopes[1], s2 = s.slopes[2], s3 = s.slopes[3];
+  const Plane a0 = s.walls[0], a1 = s.walls[1], a2 = s.walls[2];
+  const Plane w0 = s.weights[0], w1 = s.weights[1], w2 = s.weights[2], wf = s.factor;
   for (std::size_t i = 0; i < n; ++i) {
-    const auto at = [&](const Plane& p) { return p.c + p.x * x[i] + p.y * y[i]; };
-    const double v0 = at(s.slopes[0]);
-    const double v1 = at(s.slopes[1]);
-    const double v2 = at(s.slopes[2]);
-    const double v3 = at(s.slopes[3]);
+    const double ux = x[i];
+    const double uy = y[i];
+    const auto at = [ux, uy](const Plane& p) { return p.c + p.x * ux + p.y * uy; };
+    const double v0 = at(s0);
+    const double v1 = at(s1);
+    const double v2 = at(s2);
+    const double v3 = at(s3);
     const double a = v1 < v0 ? v1 : v0;
     const double b = v3 < v2 ? v3 : v2;
     const double least = b < a ? b : a;
-    const double d0 = at(s.walls[0]);
-    const double d1 = at(s.walls[1]);
-    const double d2 = at(s.walls[2]);
+    const double d0 = at(a0);
+    const double d1 = at(a1);
+    const double d2 = at(a2);
     const double d01 = d1 < d0 ? d1 : d0;
     const double d = d2 < d01 ? d2 : d01;
-    double v = least > 0 ? least : 0;
-    v = d > 0 ? v : 0;
-    const double share = at(s.weights[0]) * q0[i] + at(s.weights[1]) * q1[i] + at(s.weights[2]) * q2[i];
-    const double f = at(s.factor);
-    const double slope = v > 0 ? share * f : 0;
-    // Each pixel counts for the slope that rules there; ties go to the first.
-    o0[i] = v0 <= least ? slope : 0;
-    o1[i] = v1 <= least && v0 > least ? slope : 0;
-    o2[i] = v2 <= least && a > least ? slope : 0;
-    o3[i] = v3 <= least && a > least && v2 > least ? slope : 0;
+    // Each pixel counts for the slope that rules there; ties go to the first. Products with 0 or 1, because
+    // choices that depend on each other keep the compiler from using vectors.
+    const double inside = d > 0 ? 1.0 : 0.0;
+    const double above = least > 0 ? 1.0 : 0.0;
+    const double rules0 = v0 <= least ? 1.0 : 0.0;
+    const double rules1 = v1 <= least ? 1.0 : 0.0;
+    const double rules2 = v2 <= least ? 1.0 : 0.0;
+    const double positive = inside * above;
+    const double v = least * positive;
+    const double share = at(w0) * q0[i] + at(w1) * q1[i] + at(w2) * q2[i];
+    const double f = at(wf);
+    const double slope0 = share * f * positive;
+    const double slope1 = slope0 - slope0 * rules0;
+    const double slope2 = slope1 - slope1 * rules1;
+    o0[i] = slope0 * rules0;
+    o1[i] = slope1 * rules1;
+    o2[i] = slope2 * rules2;
+    o3[i] = slope2 - slope2 * rules2;
     of[i] = v * share;
     p0[i] = v * f * q0[i];
     p1[i] = v * f * q1[i];
     p2[i] = v * f * q2[i];
   }
-  const auto add = [&](const double* __restrict o, PlaneMoments& m) {
-    double c[PixelRow::kLanes] = {};
-    double mx[PixelRow::kLanes] = {};
-    double my[PixelRow::kLanes] = {};
-    for (std::size_t i = 0; i < n; i += PixelRow::kLanes) {
-      for (std::size_t l = 0; l < PixelRow::kLanes; ++l) {
-        c[l] += o[i + l];
-        mx[l] += o[i + l] * x[i + l];
-        my[l] += o[i + l] * y[i + l];
-      }
+}
+
+[[gnu::always_inline]] inline void add_moments(std::size_t n, const double* __restrict x,
+                                               const double* __restrict y, const double* __restrict o,
+                                               PlaneMoments& moments) {
+  PlaneMoments sum = moments;
+  for (std::size_t i = 0; i < n; i += kLanes) {
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      sum.c[l] += o[i + l];
+      sum.x[l] += o[i + l] * x[i + l];
+      sum.y[l] += o[i + l] * y[i + l];
     }
-    for (std::size_t l = 0; l < PixelRow::kLanes; ++l) {
-      m.c += c[l];
-      m.x += mx[l];
-      m.y += my[l];
-    }
-  };
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (s.slopes[k].c < 1e299) add(row.out[k].data(), gradient.slopes[k]);
   }
-  if (s.factor.x != 0 || s.factor.y != 0) add(of, gradient.factor);
-  add(p0, gradient.weights[0]);
-  add(p1, gradient.weights[1]);
-  add(p2, gradient.weights[2]);
+  moments = sum;
+}
+
+/// Adds one row of n pixels.
+KNOTREEL_MULTIVERSION
+void add_row(const Shape& s, std::size_t n, const double* x, const double* y, const double* const* q,
+             double* const* o, ShapeGradient& gradient) {
+  fill_quantities(s, n, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4], o[5], o[6], o[7]);
+  for (std::size_t k = 0; k < 4; ++k) {
+    if (s.slopes[k].c < 1e29) add_moments(n, x, y, o[k], gradient.slopes[k]);
+  }
+  if (s.factor.x != 0 || s.factor.y != 0) add_moments(n, x, y, o[4], gradient.factor);
+  for (std::size_t k = 0; k < 3; ++k) add_moments(n, x, y, o[5 + k], gradient.weights[k]);
+}
+
+/// q[i] += sum over channels of residual[channel][i] * control[channel].
+KNOTREEL_MULTIVERSION
+void project(const std::array<const float*, 4>& residual, const double* control, std::size_t channels,
+             std::size_t n, double* __restrict q) {
+  for (std::size_t c = 0; c < channels; ++c) {
+    const float* __restrict r = residual[c];
+    const double weight = control[c];
+    for (std::size_t i = 0; i < n; ++i) q[i] += static_cast<double>(r[i]) * weight;
+  }
 }
 
 /// Columns of row y where a term can be positive, for pixels at most `slack` from their centres.
@@ -224,11 +246,14 @@ class Derivatives {
         image_(*pixels.image),
         fit_(fit),
         directions_(free_directions(basis.space().mesh())),
-        places_(image_.width, image_.height, 1, 1, pixels.places),
-        weighted_(fit.residual) {
+        places_(image_.width, image_.height, 1, 1, pixels.places) {
     const auto channels = static_cast<std::size_t>(image_.channels);
-    for (std::size_t i = 0; i < weighted_.size() && !pixels.weights.empty(); ++i) {
-      weighted_[i] *= pixels.weights[i / channels];
+    for (std::size_t c = 0; c < channels; ++c) {
+      weighted_[c].resize(image_.pixel_count());
+      for (std::size_t i = 0; i < weighted_[c].size(); ++i) {
+        weighted_[c][i] =
+            fit.residual[i * channels + c] * (pixels.weights.empty() ? 1.0F : pixels.weights[i]);
+      }
     }
   }
 
@@ -307,7 +332,12 @@ class Derivatives {
       }
       if (from >= to) continue;
       fill_row(config, y, from, to, origin, slack > 0, row);
-      for (std::size_t t = 0; t < terms.size(); ++t) add_row(shapes[t], row, gradients[t]);
+      const double* q[] = {row.q[0].data(), row.q[1].data(), row.q[2].data()};
+      double* out[8];
+      for (std::size_t k = 0; k < 8; ++k) out[k] = row.out[k].data();
+      for (std::size_t t = 0; t < terms.size(); ++t) {
+        add_row(shapes[t], row.x.size(), row.x.data(), row.y.data(), q, out, gradients[t]);
+      }
     }
   }
 
@@ -325,19 +355,14 @@ class Derivatives {
       std::fill_n(row.y.begin(), n, y + 0.5 - origin.y);
     }
     const auto channels = static_cast<std::size_t>(image_.channels);
-    const float* pixels =
-        weighted_.data() +
-        (static_cast<std::size_t>(y) * std::size_t(image_.width) + static_cast<std::size_t>(from)) * channels;
+    const std::size_t first =
+        static_cast<std::size_t>(y) * std::size_t(image_.width) + static_cast<std::size_t>(from);
+    std::array<const float*, 4> residual{};
+    for (std::size_t c = 0; c < channels; ++c) residual[c] = weighted_[c].data() + first;
     const auto& functions = basis_.space().configs()[config].functions;
     for (std::size_t v = 0; v < 3; ++v) {
       if (functions[v] == spline::kNoFunction) continue;
-      const double* control = fit_.control.data() + functions[v] * channels;
-      const float* r = pixels;
-      for (std::size_t i = 0; i < n; ++i, r += channels) {
-        double sum = 0;
-        for (std::size_t c = 0; c < channels; ++c) sum += static_cast<double>(r[c]) * control[c];
-        row.q[v][i] = sum;
-      }
+      project(residual, fit_.control.data() + functions[v] * channels, channels, n, row.q[v].data());
     }
   }
 
@@ -346,7 +371,7 @@ class Derivatives {
   const ColourFit& fit_;
   std::vector<Directions> directions_;
   spline::Places places_;
-  std::vector<float> weighted_;  ///< residual times weight
+  std::array<std::vector<float>, 4> weighted_;  ///< residual times weight, by channel
 };
 
 }  // namespace

@@ -128,6 +128,12 @@ SplineSpace SplineSpace::from_link_codes(mesh::KnotMesh mesh, int degree,
   return space;
 }
 
+SplineSpace SplineSpace::moved(std::span<const Vec2> positions) const {
+  SplineSpace space = *this;
+  for (std::size_t k = 0; k < space.mesh_.knots.size(); ++k) space.mesh_.knots[k].position = positions[k];
+  return space;
+}
+
 Vec2 SplineSpace::greville(FunctionIndex f) const {
   Vec2 sum;
   for (int i = 0; i < degree_; ++i) sum = sum + position(functions_[f].knots[static_cast<std::size_t>(i)]);

@@ -29,7 +29,7 @@ constexpr double kFirstShare = 0.8;
 // Shares of the control points that features may use up, before any knot is put between them: all of them,
 // and as long as there are some of little contrast (in levels), which the smooth surface can stand in for.
 constexpr double kFeatureShare = 0.7;
-constexpr double kWeakShare = 0.25;
+constexpr double kWeakShare = 0.12;
 constexpr double kWeakContrast = 100;
 // Control points per pixel of features, about (counted over photographs).
 constexpr double kFunctionsPerFeaturePixel = 0.5;
@@ -509,6 +509,7 @@ class Run {
     descent.steps = options_.descent_steps;
     descent.min_distance = options_.optimise.min_distance;
     descent.colour = options_.colour;
+    descent.on_step = [this] { show("descent step"); };
     surface_ = fit::descend(std::move(surface_), pixels(), descent);
     lap("descend");
   }

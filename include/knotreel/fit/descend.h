@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <memory>
 
 #include "knotreel/fit/colour_fit.h"
@@ -11,6 +12,7 @@ struct DescentOptions {
   double first_step = 0.1;    ///< of a knot, as a share of its shortest edge
   double min_distance = 1.0;  ///< of knots from each other, from features and from the border; pixels
   ColourFitOptions colour{};
+  std::function<void()> on_step{};  ///< called before each step; may throw to stop the work
 };
 
 /// A surface without its geometry.

@@ -60,6 +60,10 @@ class SplineSpace {
   /// @throws Error{kInput} if the codes do not fit the mesh.
   static SplineSpace from_link_codes(mesh::KnotMesh mesh, int degree, std::span<const std::uint16_t> codes);
 
+  /// The same space over the same mesh with its knots elsewhere: all combinatorics, links too, are kept.
+  /// @param positions of all knots; knots of segments and sides still on them, ends of segments unmoved.
+  SplineSpace moved(std::span<const Vec2> positions) const;
+
   int degree() const { return degree_; }
   const mesh::KnotMesh& mesh() const { return mesh_; }
   const mesh::CutMesh& cut() const { return cut_; }

@@ -41,8 +41,8 @@ struct Report {
 
 /// What there is to see after a stage; pointers are null before their stage, and valid during the call only.
 struct Progress {
-  std::string
-      stage;  ///< "features", "fairing", "correction", "parametrization", "knots", then as RoundReport::name
+  std::string stage;  ///< "features", "fairing", "correction", "parametrization", "knots", then as
+                      ///< RoundReport::name; "descent step"
   const image::Image* picture = nullptr;
   const features::FeatureChains* detected = nullptr;
   const features::FeatureChains* faired = nullptr;
