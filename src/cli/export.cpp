@@ -1,5 +1,6 @@
 #include <filesystem>
 #include <memory>
+#include <optional>
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
@@ -15,6 +16,9 @@ namespace {
 
 // Above this, programs that show SVG become slow.
 constexpr std::uint64_t kLargeSvgBytes = 20'000'000;
+// Default colour tolerances: hardly to be told from the surface; and what keeps SVG at some megabytes.
+constexpr double kPdfTolerance = 2;
+constexpr double kSvgTolerance = 8;
 
 struct Arguments {
   std::string input;
@@ -22,7 +26,7 @@ struct Arguments {
   std::string format;
   std::uint64_t frame = 0;
   double scale = 1;
-  double colour_tolerance = 2;
+  std::optional<double> colour_tolerance;
   double geometry_tolerance = 0.1;
   std::uint64_t max_triangles = 4'000'000;
   int threads = 0;
@@ -43,7 +47,8 @@ void export_frame(const Arguments& arguments) {
   const std::string format = format_of(arguments);
   exporting::ExportOptions options;
   options.scale = arguments.scale;
-  options.tessellation.colour_tolerance = arguments.colour_tolerance;
+  options.tessellation.colour_tolerance =
+      arguments.colour_tolerance.value_or(format == "pdf" ? kPdfTolerance : kSvgTolerance);
   options.tessellation.geometry_tolerance = arguments.geometry_tolerance;
   options.max_triangles = arguments.max_triangles;
   options.checkpoint = check_interrupted;
@@ -59,7 +64,8 @@ void export_frame(const Arguments& arguments) {
   file.commit();
   if (format == "svg" && file.size() > kLargeSvgBytes) {
     warn("the SVG has " + std::to_string(file.size() / 1'000'000) +
-         " MB, which many programs show slowly; --colour-tolerance 8 makes it smaller, PDF much smaller");
+         " MB, which many programs show slowly; a larger --colour-tolerance makes it smaller, PDF much "
+         "smaller");
   }
 }
 
@@ -69,7 +75,7 @@ SVG has no such shading: a picture becomes many small pieces, and the file ten t
 Examples:
   knotreel export photo.tcb -o photo.pdf
   knotreel export photo.tcb -o poster.pdf --scale 4 --colour-tolerance 1
-  knotreel export photo.tcb -o small.svg --colour-tolerance 6)";
+  knotreel export photo.tcb -o small.svg --colour-tolerance 16)";
 
 }  // namespace
 
@@ -92,10 +98,10 @@ void add_export_command(CLI::App& program) {
       ->type_name("S")
       ->capture_default_str();
   command
-      ->add_option("--colour-tolerance", arguments->colour_tolerance,
-                   "Largest error of a colour, in levels of 0 to 255; 0.01 to 255")
-      ->type_name("T")
-      ->capture_default_str();
+      ->add_option(
+          "--colour-tolerance", arguments->colour_tolerance,
+          "Largest error of a colour, in levels of 0 to 255; 0.01 to 255.\nWithout: 2 for PDF, 8 for SVG")
+      ->type_name("T");
   command
       ->add_option("--geometry-tolerance", arguments->geometry_tolerance,
                    "Largest error of a position, in picture pixels; 0.001 to 100")

@@ -52,7 +52,11 @@ class RimFinder {
  private:
   void add_edge_rim(std::uint32_t h, std::vector<Rim>& rims) const {
     const std::uint32_t o = sheets_.opposite(h);
-    if (o == kNoHalfEdge || layer_[o / 3] == layer_[h / 3]) return;
+    if (o == kNoHalfEdge) {
+      rims.push_back({h, true, true, 0, true});
+      return;
+    }
+    if (layer_[o / 3] == layer_[h / 3]) return;
     rims.push_back({o, true, !sheets_.is_feature(h), 0, layer_[o / 3] > layer_[h / 3]});
   }
 
@@ -119,8 +123,39 @@ std::array<Vec2, 2> legs(const Sheets& sheets, std::uint32_t h) {
   return {v + share * (p - v), v + share * (q - v)};
 }
 
+/// The strip outside a border edge: the colour of the border goes on.
+Patch outer_patch(const Tessellator& tessellator, std::uint32_t h) {
+  const Sheets& sheets = tessellator.sheets();
+  const Vec2 along = sheets.parameter(sheets.target(h)) - sheets.parameter(sheets.origin(h));
+  const Vec2 out = (kReach / norm(along)) * Vec2{along.y, -along.x};
+  Patch patch;
+  for (const double t : tessellator.edge_parameters(h)) {
+    const SurfacePoint edge = sheets.on_edge(h, t);
+    patch.vertices.push_back(edge);
+    patch.vertices.push_back({edge.u, edge.x + out, edge.colour});
+  }
+  return patch;
+}
+
+void join_strip(Patch& patch, bool outside) {
+  for (std::uint32_t i = 0; i + 2 < patch.vertices.size(); i += 2) {
+    if (outside) {
+      patch.triangles.push_back({i, i + 1, i + 2});
+      patch.triangles.push_back({i + 1, i + 3, i + 2});
+    } else {
+      patch.triangles.push_back({i, i + 2, i + 1});
+      patch.triangles.push_back({i + 1, i + 2, i + 3});
+    }
+  }
+}
+
 Patch edge_patch(const Tessellator& tessellator, const Rim& rim) {
   const Sheets& sheets = tessellator.sheets();
+  if (sheets.opposite(rim.half_edge) == kNoHalfEdge) {
+    Patch patch = outer_patch(tessellator, rim.half_edge);
+    join_strip(patch, true);
+    return patch;
+  }
   const auto& face = sheets.faces()[rim.half_edge / 3];
   const Vec2 centre =
       (1.0 / 3) * (sheets.parameter(face[0]) + sheets.parameter(face[1]) + sheets.parameter(face[2]));
@@ -135,10 +170,7 @@ Patch edge_patch(const Tessellator& tessellator, const Rim& rim) {
     patch.vertices.push_back(edge);
     patch.vertices.push_back(inner);
   }
-  for (std::uint32_t i = 0; i + 2 < patch.vertices.size(); i += 2) {
-    patch.triangles.push_back({i, i + 2, i + 1});
-    patch.triangles.push_back({i + 1, i + 2, i + 3});
-  }
+  join_strip(patch, false);
   return patch;
 }
 
@@ -183,6 +215,10 @@ Loop rim_outline(const Tessellator& tessellator, const Rim& rim) {
   };
   for (std::size_t i = patch.vertices.size(); i >= 2; i -= 2) line_to(patch.vertices[i - 1].x);
   line_to(sheets.on_edge(rim.half_edge, 0).x);
+  if (sheets.opposite(rim.half_edge) != kNoHalfEdge) return loop;
+  // It lies on the other side of its half edge: turned, so that all loops go round the same way.
+  std::reverse(loop.begin(), loop.end());
+  for (Curve& curve : loop) std::reverse(curve.begin(), curve.end());
   return loop;
 }
 

@@ -14,13 +14,15 @@ namespace knotreel::exporting {
 /// fans around each knot of a feature. Few layers; the largest regions get the lowest.
 std::vector<std::uint32_t> assign_layers(const Sheets& sheets);
 
-/// A narrow strip of a face that a layer paints although the face belongs to another layer.
+/// A narrow strip that a layer paints beyond its faces: in a face of another layer, or outside the picture.
 struct Rim {
-  std::uint32_t half_edge = 0;  ///< of the face painted: along it, or only around its origin
-  bool along = false;           ///< along the half edge, else around its origin
-  bool own_colour = false;      ///< the surface as it is; else the colour of the other side of the feature
-  CornerIndex source = 0;       ///< gives the colour around an origin, unless own_colour
-  bool shown = false;           ///< the layer's mask lets it through: a later layer paints over it
+  /// Of the face painted: along it, or only around its origin. On the border of the picture: of the layer's
+  /// own face, and the strip lies outside, for surfaces that do not quite reach the border.
+  std::uint32_t half_edge = 0;
+  bool along = false;       ///< along the half edge, else around its origin
+  bool own_colour = false;  ///< the surface as it is; else the colour of the other side of the feature
+  CornerIndex source = 0;   ///< gives the colour around an origin, unless own_colour
+  bool shown = false;       ///< the layer's mask lets it through: a later layer paints over it
 };
 
 struct Layer {

@@ -128,19 +128,23 @@ class PdfWriter {
   /// All layers with some of the channels as colours: the first as it is, the others through their masks.
   Painting paint(std::size_t first, std::size_t count) {
     Painting painting;
-    std::string shadings;
+    std::string forms;
     std::string states;
     for (std::size_t l = 0; l < layers_.size(); ++l) {
       const std::string name = std::to_string(l);
-      shadings += "/S" + name + ' ' + reference(write_shading(layers_[l], first, count));
+      const std::string shading = "/Shading<</S " + reference(write_shading(layers_[l], first, count)) + ">>";
       if (l == 0) {
-        painting.content += "/S0 sh\n";
-      } else {
-        states += "/G" + name + luminosity_of(masks_[l - 1]);
-        painting.content += "q /G" + name + " gs /S" + name + " sh Q\n";
+        painting.content = "/S sh\n";
+        painting.resources = shading;
+        continue;
       }
+      // In a group, so that the mask counts once; poppler would apply it to each triangle, and where those
+      // overlap the edge would be jagged again.
+      forms += "/P" + name + ' ' + reference(write_form({"/S sh\n", shading}, count));
+      states += "/G" + name + luminosity_of(masks_[l - 1]);
+      painting.content += "q /G" + name + " gs /P" + name + " Do Q\n";
     }
-    painting.resources = "/Shading<<" + shadings + ">>/ExtGState<<" + states + ">>";
+    painting.resources += "/XObject<<" + forms + ">>/ExtGState<<" + states + ">>";
     return painting;
   }
 
