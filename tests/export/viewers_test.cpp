@@ -46,7 +46,7 @@ void expect_alike(const std::string& name, const document::FrameModel& model, in
 
 constexpr Bounds kLoose{2.5, 40, 6, 0.03};
 
-class Viewers : public testing::TestWithParam<Viewer> {};
+class Viewers : public ::testing::TestWithParam<Viewer> {};
 
 TEST_P(Viewers, DrawFeaturesAsWeDo) {
   for (const char* name : {"free-knots", "two-tips", "bend", "three-fold-junction", "closed-loop",
@@ -72,8 +72,8 @@ TEST_P(Viewers, DrawGreyAndAlpha) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Programs, Viewers,
-                         testing::Values(Viewer::kPoppler, Viewer::kMupdf, Viewer::kLibrsvg),
-                         [](const auto& info) { return viewer_name(info.param); });
+                         ::testing::Values(Viewer::kPoppler, Viewer::kMupdf, Viewer::kLibrsvg),
+                         [](const auto& viewer) { return viewer_name(viewer.param); });
 
 TEST(Qpdf, FindsNothingToComplainAbout) {
   for (const int channels : {1, 2, 3, 4}) {
