@@ -40,6 +40,9 @@ class RimFinder {
         add_rims_around(h, layer.rims);
       }
     }
+    for (std::size_t l = 1; l < layers.size(); ++l) {
+      layers[0].underlay.insert(layers[0].underlay.end(), layers[l].faces.begin(), layers[l].faces.end());
+    }
     for (Layer& layer : layers) {
       auto& rims = layer.rims;
       // Colours of other sides first, the surface itself over them: a layer is as right as it can be.
@@ -133,6 +136,34 @@ Patch outer_patch(const Tessellator& tessellator, std::uint32_t h) {
     const SurfacePoint edge = sheets.on_edge(h, t);
     patch.vertices.push_back(edge);
     patch.vertices.push_back({edge.u, edge.x + out, edge.colour});
+  }
+  return patch;
+}
+
+/// The colour of the other side of a feature, drawn across it in the image. It may reach over what belongs to
+/// others: faces are painted later, and masks show no more than rim_outline(). Both ends go on straight, for
+/// the pixels around bends.
+Patch drawn_across(const Tessellator& tessellator, std::uint32_t h) {
+  const Sheets& sheets = tessellator.sheets();
+  std::vector<SurfacePoint> points;
+  for (const double t : tessellator.edge_parameters(h)) {
+    points.push_back(sheets.on_edge(sheets.opposite(h), 1 - t));
+  }
+  const std::size_t last = points.size() - 1;
+  Patch patch;
+  const auto add = [&](SurfacePoint point, Vec2 x, Vec2 across) {
+    point.x = x;
+    patch.vertices.push_back(point);
+    point.x = x + across;
+    patch.vertices.push_back(point);
+  };
+  for (std::size_t i = 0; i <= last; ++i) {
+    const Vec2 d = points[std::min(i + 1, last)].x - points[i > 0 ? i - 1 : 0].x;
+    const Vec2 along = (kReach / std::max(norm(d), 1e-9)) * d;
+    const Vec2 across{-along.y, along.x};
+    if (i == 0) add(points[i], points[i].x - along, across);
+    add(points[i], points[i].x, across);
+    if (i == last) add(points[i], points[i].x + along, across);
   }
   return patch;
 }
@@ -255,6 +286,11 @@ std::vector<Layer> make_layers(const Sheets& sheets) {
 }
 
 Patch rim_patch(const Tessellator& tessellator, const Rim& rim) {
+  if (rim.along && !rim.own_colour) {
+    Patch patch = drawn_across(tessellator, rim.half_edge);
+    join_strip(patch, false);
+    return patch;
+  }
   if (rim.along) return edge_patch(tessellator, rim);
   const Sheets& sheets = tessellator.sheets();
   const CornerIndex c = sheets.origin(rim.half_edge);

@@ -26,13 +26,16 @@ struct Rim {
 };
 
 struct Layer {
+  /// Faces of other layers, painted first of all: for the first layer, so that no paper shines through,
+  /// whatever the shapes of the faces.
+  std::vector<std::uint32_t> underlay;
   std::vector<std::uint32_t> faces;  ///< ascending
   std::vector<Rim> rims;             ///< to be painted before the faces
 };
 
 std::vector<Layer> make_layers(const Sheets& sheets);
 
-/// Triangles of a rim.
+/// Triangles of a rim. Those across features may reach farther than its outline.
 Patch rim_patch(const Tessellator& tessellator, const Rim& rim);
 
 /// A closed path: every curve goes on where the one before ends.

@@ -18,17 +18,20 @@ void TriangleBudget::spend(std::size_t triangles) {
 void for_each_patch(const Tessellator& tessellator, const Layer& layer, const ExportOptions& options,
                     const std::function<void(const Patch&)>& visit) {
   constexpr std::size_t kBlock = 512;
-  const std::size_t count = layer.rims.size() + layer.faces.size();
+  const auto& under = layer.underlay;
+  const auto& rims = layer.rims;
+  const std::size_t count = under.size() + rims.size() + layer.faces.size();
+  const auto make = [&](std::size_t i) {
+    if (i < under.size()) return tessellator.face(under[i]);
+    i -= under.size();
+    return i < rims.size() ? rim_patch(tessellator, rims[i]) : tessellator.face(layer.faces[i - rims.size()]);
+  };
   std::vector<Patch> patches;
   for (std::size_t begin = 0; begin < count; begin += kBlock) {
     if (options.checkpoint) options.checkpoint();
     patches.clear();
     patches.resize(std::min(kBlock, count - begin));
-    parallel_for(patches.size(), [&](std::size_t i) {
-      const std::size_t at = begin + i;
-      patches[i] = at < layer.rims.size() ? rim_patch(tessellator, layer.rims[at])
-                                          : tessellator.face(layer.faces[at - layer.rims.size()]);
-    });
+    parallel_for(patches.size(), [&](std::size_t i) { patches[i] = make(begin + i); });
     for (const Patch& patch : patches) visit(patch);
   }
 }

@@ -81,7 +81,6 @@ struct Differences {
   double max_off = 0;
   double mean_at = 0;  ///< over the pixels within `kNear` of a feature curve
   double max_at = 0;
-  double share_above_32 = 0;  ///< of the pixels at features
 };
 
 inline constexpr double kNear = 1.5;  ///< output pixels from a centre to the curve
@@ -107,13 +106,11 @@ inline Differences compare(const document::FrameModel& model, int scale, const i
         at += 1;
         d.mean_at += difference;
         d.max_at = std::max(d.max_at, difference);
-        if (difference > 32) d.share_above_32 += 1;
       }
     }
   }
   d.mean_off /= std::max(off, 1.0);
   d.mean_at /= std::max(at, 1.0);
-  d.share_above_32 /= std::max(at, 1.0);
   return d;
 }
 
