@@ -1,5 +1,3 @@
-#include <algorithm>
-
 #include "export/number_text.h"
 #include "export/patch_stream.h"
 #include "export/svg_paint.h"
@@ -43,7 +41,8 @@ class SvgWriter {
  private:
   /// Two approximations share the error: triangles with linear colours, and one direction for all channels.
   static TessellationOptions half(TessellationOptions options) {
-    options.colour_tolerance = std::max(0.5 * options.colour_tolerance, 0.01);
+    // What is out of range stays so, for Tessellator to refuse.
+    if (options.colour_tolerance >= 0.02) options.colour_tolerance *= 0.5;
     return options;
   }
 
