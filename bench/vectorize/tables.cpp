@@ -16,8 +16,6 @@ namespace {
 
 using vectorize::Options;
 
-constexpr double kDefaultShare = 0.027;  // of the pixels: control points of the default preset
-
 std::size_t share_of(const image::Image& picture, double share) {
   return static_cast<std::size_t>(share * static_cast<double>(picture.pixel_count()));
 }
@@ -173,7 +171,7 @@ void print_ablation(const std::vector<Picture>& pictures) {
     double bytes = 0;
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       Options options = vectorize::preset_options(vectorize::Preset::kBalanced);
-      options.max_control_points = share_of(pictures[i].image, kDefaultShare);
+      options.max_control_points = vectorize::default_control_points(pictures[i].image.pixel_count());
       v.change(options);
       const Outcome o = measure(pictures[i].image, options, near[i]);
       psnr += o.psnr;

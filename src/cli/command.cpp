@@ -1,5 +1,7 @@
 #include "cli/command.h"
 
+#include <unistd.h>
+
 #include "knotreel/base/output_file.h"
 
 namespace knotreel::cli {
@@ -18,6 +20,11 @@ void add_frame_option(CLI::App& command, std::uint64_t& frame, const std::string
       ->check(CLI::Range(0, 0x7fffffff).description(""))  // CLI11 would let -1 wrap around
       ->type_name("N")
       ->capture_default_str();
+}
+
+void warn(const std::string& message) {
+  const std::string line = "knotreel: warning: " + message + "\n";
+  [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, line.data(), line.size());
 }
 
 void write_text(const std::string& path, const std::string& text) {

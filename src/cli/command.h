@@ -10,6 +10,7 @@ namespace knotreel::cli {
 
 void add_vectorize_command(CLI::App& program);
 void add_render_command(CLI::App& program);
+void add_export_command(CLI::App& program);
 void add_info_command(CLI::App& program);
 void add_dump_command(CLI::App& program);
 void add_compare_command(CLI::App& program);
@@ -22,6 +23,9 @@ void add_frame_option(CLI::App& command, std::uint64_t& frame, const std::string
 
 /// Writes to standard output, or to a file if `path` is not "-". A full disk is Error{kOutput}.
 void write_text(const std::string& path, const std::string& text);
+
+/// One line on standard error, "knotreel: warning: ...", for what is done but may surprise.
+void warn(const std::string& message);
 
 /// "knotreel 0.1.0 (OpenCV ..., ...)".
 std::string version_text();

@@ -28,6 +28,7 @@ constexpr const char* kFooter = R"(
 Examples:
   knotreel vectorize photo.png -o photo.tcb          picture to vector document
   knotreel render photo.tcb -o large.png --scale 4   and back, four times as large
+  knotreel export photo.tcb -o photo.pdf             for other programs
   knotreel compare photo.png photo.tcb               how close is it?
   knotreel info photo.tcb                            what is in it?
 'knotreel COMMAND --help' tells more about a command.
@@ -46,6 +47,7 @@ void run(int argc, char** argv) {
   program.require_subcommand(1);
   cli::add_vectorize_command(program);
   cli::add_render_command(program);
+  cli::add_export_command(program);
   cli::add_info_command(program);
   cli::add_dump_command(program);
   cli::add_compare_command(program);

@@ -1,6 +1,12 @@
 #include "knotreel/vectorize/options.h"
 
+#include <algorithm>
+
 namespace knotreel::vectorize {
+
+std::size_t default_control_points(std::uint64_t pixels) {
+  return std::max<std::size_t>(256, static_cast<std::size_t>(0.028 * static_cast<double>(pixels)));
+}
 
 Options preset_options(Preset preset) {
   Options options;

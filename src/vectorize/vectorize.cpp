@@ -27,10 +27,12 @@ using mesh::KnotIndex;
 // Share of the control points that the first round may use; the rest is for refinement.
 constexpr double kFirstShare = 0.8;
 // Shares of the control points that features may use up, before any knot is put between them: all of them,
-// and as long as there are some of little contrast (in levels), which the smooth surface can stand in for.
-constexpr double kFeatureShare = 0.7;
+// and as long as there are weak ones, which the smooth surface can stand in for. Weak are those of little
+// contrast (in levels) within three pixels that have more of it farther away: soft edges.
+constexpr double kFeatureShare = 0.6;
 constexpr double kWeakShare = 0.12;
 constexpr double kWeakContrast = 100;
+constexpr double kSharpness = 0.9;
 // Control points per pixel of features, about (counted over photographs).
 constexpr double kFunctionsPerFeaturePixel = 0.5;
 // Piecewise linear functions need more knots for the same error than the splines over the same knots.
@@ -71,10 +73,7 @@ class Run {
   Run(const image::Image& picture, const Options& options, const Observer& observer)
       : picture_(picture), options_(options), observer_(observer) {
     progress_.picture = &picture_;
-    max_functions_ =
-        options.max_control_points > 0
-            ? options.max_control_points
-            : std::max<std::size_t>(256, static_cast<std::size_t>(0.027 * double(picture.pixel_count())));
+    max_functions_ = options.max_control_points > 0 ? options.max_control_points : default_control_points(picture.pixel_count());
   }
 
   Vectorization run() {
@@ -215,21 +214,20 @@ class Run {
   bool limit_features(double functions) {
     const auto most = static_cast<double>(max_functions_);
     if (functions <= kWeakShare * most) return false;
-    if (keep_strongest(0.9 * kWeakShare * most / functions, kWeakContrast)) return true;
-    return functions > kFeatureShare * most && keep_strongest(0.9 * kFeatureShare * most / functions, 1e9);
+    if (keep_strongest(0.9 * kWeakShare * most / functions, true)) return true;
+    return functions > kFeatureShare * most && keep_strongest(0.9 * kFeatureShare * most / functions, false);
   }
 
-  /// Contrast beside a chain: the mean over its points of the largest range of a channel in three by three
-  /// pixels.
-  double contrast(const features::Chain& chain) const {
+  /// Mean over the points of a chain of the largest range of a channel within some pixels.
+  double mean_range(const features::Chain& chain, int radius) const {
     double sum = 0;
     for (const features::ChainPoint& p : chain.points) {
       float range = 0;
       for (int c = 0; c < picture_.channels; ++c) {
         float low = picture_.at(p.x, p.y, c);
         float high = low;
-        for (int y = std::max(0, p.y - 1); y <= std::min(picture_.height - 1, p.y + 1); ++y) {
-          for (int x = std::max(0, p.x - 1); x <= std::min(picture_.width - 1, p.x + 1); ++x) {
+        for (int y = std::max(0, p.y - radius); y <= std::min(picture_.height - 1, p.y + radius); ++y) {
+          for (int x = std::max(0, p.x - radius); x <= std::min(picture_.width - 1, p.x + radius); ++x) {
             low = std::min(low, picture_.at(x, y, c));
             high = std::max(high, picture_.at(x, y, c));
           }
@@ -241,32 +239,37 @@ class Run {
     return sum / static_cast<double>(chain.points.size());
   }
 
-  /// Drops the chains of least contrast below a bound, until at most this share of the feature pixels is
-  /// left: what a chain costs grows with its length, as does what it is good for, but the latter with its
-  /// contrast too.
+  struct RankedChain {
+    double contrast = 0;  ///< levels
+    bool weak = false;
+    features::Chain chain;
+  };
+
+  RankedChain ranked(features::Chain chain) const {
+    const double contrast = mean_range(chain, 1);
+    const bool sharp = contrast >= kSharpness * mean_range(chain, 3);
+    return {contrast, contrast < kWeakContrast && !sharp, std::move(chain)};
+  }
+
+  /// Drops the chains of least contrast, or the weak ones among them, until at most this share of the feature
+  /// pixels is left: what a chain costs grows with its length, as does what it is good for, but the latter
+  /// with its contrast too.
   /// @return whether any was dropped.
-  bool keep_strongest(double share, double bound) {
-    struct Ranked {
-      double contrast;
-      features::Chain chain;
-    };
-    std::vector<Ranked> ranked;
+  bool keep_strongest(double share, bool weak_only) {
     const double allowed = share * static_cast<double>(chain_pixels());
-    for (features::Chain& c : chains_.chains) {
-      const double strength = contrast(c);
-      ranked.push_back({strength, std::move(c)});
-    }
-    std::stable_sort(ranked.begin(), ranked.end(),
-                     [](const Ranked& a, const Ranked& b) { return a.contrast > b.contrast; });
+    std::vector<RankedChain> chains;
+    for (features::Chain& c : chains_.chains) chains.push_back(ranked(std::move(c)));
+    std::stable_sort(chains.begin(), chains.end(),
+                     [](const RankedChain& a, const RankedChain& b) { return a.contrast > b.contrast; });
     std::size_t kept = 0;
     chains_.chains.clear();
-    for (Ranked& r : ranked) {
+    for (RankedChain& r : chains) {
       const std::size_t length = r.chain.points.size();
-      if (r.contrast<bound&& static_cast<double>(kept + length)> allowed) continue;
+      if ((r.weak || !weak_only) && static_cast<double>(kept + length) > allowed) continue;
       kept += length;
       chains_.chains.push_back(std::move(r.chain));
     }
-    const std::size_t dropped = ranked.size() - chains_.chains.size();
+    const std::size_t dropped = chains.size() - chains_.chains.size();
     report_.chains_over_budget += dropped;
     return dropped > 0;
   }

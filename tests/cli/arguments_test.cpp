@@ -10,13 +10,14 @@ using test::Sample;
 TEST(Cli, HelpIsAnAnswerAndTellsTheExitCodes) {
   const auto result = test::knotreel({"--help"});
   expect_success(result);
-  for (const char* text : {"vectorize", "render", "info", "dump", "compare", "Examples", "130 interrupted"}) {
+  for (const char* text :
+       {"vectorize", "render", "export", "info", "dump", "compare", "Examples", "130 interrupted"}) {
     EXPECT_NE(result.out.find(text), std::string::npos) << text;
   }
 }
 
 TEST(Cli, EveryCommandHasHelpWithAnExample) {
-  for (const std::string command : {"vectorize", "render", "info", "dump", "compare"}) {
+  for (const std::string command : {"vectorize", "render", "export", "info", "dump", "compare"}) {
     const auto result = test::knotreel({command, "--help"});
     expect_success(result);
     EXPECT_NE(result.out.find("knotreel " + command), std::string::npos) << command;
@@ -54,6 +55,10 @@ TEST(Cli, WrongUsageIsExit2) {
       {"render", "x.tcb", "-o", "x.png", "--background", "#12345g"},
       {"render", "x.tcb", "-o", "x.png", "--format", "docx"},
       {"compare", "x.png"},
+      {"export", "x.tcb"},
+      {"export", "x.tcb", "-o", "x.png"},
+      {"export", "x.tcb", "-o", "x.pdf", "--format", "eps"},
+      {"export", "x.tcb", "-o", "x.pdf", "--max-triangles", "0"},
       {"vectorize", "x.png"},
   };
   for (const auto& arguments : cases) {

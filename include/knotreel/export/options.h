@@ -1,0 +1,26 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+
+#include "knotreel/export/tessellate.h"
+
+namespace knotreel::exporting {
+
+struct ExportOptions {
+  TessellationOptions tessellation;
+  /// Size of a picture pixel on the page: points (1/72 inch) in PDF, user units (CSS pixels) in SVG;
+  /// 0.001 to 1000.
+  double scale = 1;
+  /// More triangles than that are refused: files of many hundred megabytes help nobody.
+  std::uint64_t max_triangles = 4'000'000;
+  /// Called between units of work of about a tenth of a second; may throw to stop the export.
+  std::function<void()> checkpoint;
+};
+
+struct ExportReport {
+  std::size_t layers = 0;
+  std::uint64_t triangles = 0;  ///< all that were written, rims and alpha included
+};
+
+}  // namespace knotreel::exporting

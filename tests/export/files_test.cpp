@@ -1,0 +1,113 @@
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "export_models.h"
+#include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
+#include "knotreel/export/pdf.h"
+#include "knotreel/export/svg.h"
+#include "support/temp_dir.h"
+
+namespace knotreel::exporting {
+namespace {
+
+using namespace knotreel::testing;
+using test::read_text;
+using test::TempDir;
+
+using Write = ExportReport (*)(const document::FrameModel&, const ExportOptions&, OutputFile&);
+
+std::string exported(Write write, const document::FrameModel& model, const ExportOptions& options = {}) {
+  const TempDir dir;
+  OutputFile file(dir / "x");
+  write(model, options, file);
+  file.commit();
+  return read_text(dir / "x");
+}
+
+document::FrameModel sample(int channels) {
+  return picture_like_model(corpus_case("loop-with-tail").mesh, 2, channels, 1, 5);
+}
+
+TEST(Pdf, EveryOffsetOfTheTableLeadsToItsObject) {
+  for (const int channels : {1, 2, 3, 4}) {
+    const std::string pdf = exported(write_pdf, sample(channels));
+    ASSERT_TRUE(pdf.starts_with("%PDF-1.4\n"));
+    ASSERT_TRUE(pdf.ends_with("%%EOF\n"));
+    const std::size_t start = pdf.rfind("startxref\n");
+    const std::size_t table = std::stoul(pdf.substr(start + 10));
+    ASSERT_EQ(pdf.compare(table, 7, "xref\n0 "), 0);
+    const std::size_t count = std::stoul(pdf.substr(table + 7));
+    const std::size_t first = pdf.find('\n', table + 5) + 1;
+    for (std::size_t i = 1; i < count; ++i) {
+      const std::string entry = pdf.substr(first + 20 * i, 20);
+      EXPECT_EQ(entry.substr(10), " 00000 n \n");
+      const std::string head = std::to_string(i) + " 0 obj\n";
+      EXPECT_EQ(pdf.compare(std::stoul(entry), head.size(), head), 0) << entry;
+    }
+  }
+}
+
+TEST(Pdf, PageHasTheSizeOfThePictureTimesTheScale) {
+  ExportOptions options;
+  options.scale = 2.5;
+  EXPECT_NE(exported(write_pdf, sample(3), options).find("/MediaBox[0 0 250 200]"), std::string::npos);
+}
+
+TEST(Pdf, GreyStaysGreyAndAlphaIsASoftMask) {
+  EXPECT_EQ(exported(write_pdf, sample(1)).find("DeviceRGB"), std::string::npos);
+  EXPECT_NE(exported(write_pdf, sample(2)).find("/A<</Type/ExtGState/SMask"), std::string::npos);
+  EXPECT_EQ(exported(write_pdf, sample(3)).find("/A<</Type/ExtGState/SMask"), std::string::npos);
+}
+
+TEST(Export, IsTheSameForEveryThreadCount) {
+  const document::FrameModel model = sample(4);
+  for (const Write write : {Write{write_pdf}, Write{write_svg}}) {
+    const ThreadCap one(1);
+    const std::string expected = exported(write, model);
+    const ThreadCap three(3);
+    EXPECT_EQ(exported(write, model), expected);
+  }
+}
+
+TEST(Export, RefusesMoreTrianglesThanAllowedAndLeavesNoFile) {
+  ExportOptions options;
+  options.max_triangles = 50;
+  for (const Write write : {Write{write_pdf}, Write{write_svg}}) {
+    const TempDir dir;
+    {
+      OutputFile file(dir / "x");
+      EXPECT_THROW(write(sample(3), options, file), Error);
+    }
+    EXPECT_EQ(dir.entries(), 0u);
+  }
+}
+
+TEST(Export, RefusesScalesOutOfRange) {
+  for (const double scale : {0.0, -1.0, 1e4, std::nan("")}) {
+    ExportOptions options;
+    options.scale = scale;
+    EXPECT_THROW(exported(write_pdf, sample(1), options), Error);
+    EXPECT_THROW(exported(write_svg, sample(1), options), Error);
+  }
+}
+
+TEST(Export, StopsWhenTheCheckpointThrows) {
+  ExportOptions options;
+  options.checkpoint = [] { throw Error(ErrorKind::kInterrupted, "stopped"); };
+  EXPECT_THROW(exported(write_pdf, sample(3), options), Error);
+  EXPECT_THROW(exported(write_svg, sample(3), options), Error);
+}
+
+TEST(Export, CoarserTolerancesGiveSmallerFiles) {
+  ExportOptions coarse;
+  coarse.tessellation.colour_tolerance = 16;
+  coarse.tessellation.geometry_tolerance = 0.5;
+  for (const Write write : {Write{write_pdf}, Write{write_svg}}) {
+    EXPECT_LT(exported(write, sample(3), coarse).size(), exported(write, sample(3)).size());
+  }
+}
+
+}  // namespace
+}  // namespace knotreel::exporting
