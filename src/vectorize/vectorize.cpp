@@ -73,7 +73,8 @@ class Run {
   Run(const image::Image& picture, const Options& options, const Observer& observer)
       : picture_(picture), options_(options), observer_(observer) {
     progress_.picture = &picture_;
-    max_functions_ = options.max_control_points > 0 ? options.max_control_points : default_control_points(picture.pixel_count());
+    max_functions_ = options.max_control_points > 0 ? options.max_control_points
+                                                    : default_control_points(picture.pixel_count());
   }
 
   Vectorization run() {
@@ -512,7 +513,9 @@ class Run {
     descent.steps = options_.descent_steps;
     descent.min_distance = options_.optimise.min_distance;
     descent.colour = options_.colour;
-    descent.on_step = [this] { show("descent step"); };
+    descent.on_step = [this] {
+      if (observer_) observer_({.stage = "descent step", .picture = &picture_});
+    };
     surface_ = fit::descend(std::move(surface_), pixels(), descent);
     lap("descend");
   }
