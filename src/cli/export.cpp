@@ -70,8 +70,8 @@ void export_frame(const Arguments& arguments) {
 }
 
 constexpr const char* kFooter = R"(
-PDF keeps the smooth shading, in a file a little larger than a PNG, and is shown alike by all viewers tried.
-SVG has no such shading: a picture becomes many small pieces, and the file ten times as large.
+PDF keeps the smooth shading; poppler and MuPDF were tried. SVG has no such shading: a picture becomes many
+small pieces, and at equal tolerance the file is about a hundred times as large.
 Examples:
   knotreel export photo.tcb -o photo.pdf
   knotreel export photo.tcb -o poster.pdf --scale 4 --colour-tolerance 1

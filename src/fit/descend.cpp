@@ -78,7 +78,8 @@ class Guards {
     const double now = height(mesh, t, at_rest_);
     // Flat triangles of collinear knots stay flat.
     if (now < 1e-6) return;
-    // What is flatter already must not get any flatter; a share of it would let it shrink to nothing in many steps.
+    // What is flatter already must not get any flatter; a share of it would let it shrink to nothing in many
+    // steps.
     guards_.push_back({t, std::min(least_height, now * (1 - 1e-12))});
   }
 

@@ -405,6 +405,7 @@ class Run {
     refine.min_distance = options_.optimise.min_distance;
     mesh_ = std::make_unique<EditableMesh>(surface_.space->mesh());
     std::vector<KnotIndex> inserted = refine_curves();
+    curves_refined_ = !inserted.empty();
     refine.max_knots -= std::min(refine.max_knots, inserted.size());
     const std::vector<KnotIndex> off_curves =
         knots::refine_knots(*mesh_, squared_errors(), places_, picture_.width, picture_.height, refine);
@@ -419,6 +420,7 @@ class Run {
   /// Knots on features, where the geometry misses the curves by more than a pixel.
   std::vector<KnotIndex> refine_curves() {
     std::vector<knots::CurveError> errors;
+    if (!curves_refined_) return {};  // the errors are those of an earlier round
     for (std::size_t i = 0; i < curve_errors_.size(); ++i) {
       errors.push_back({curve_segments_[i], curves_[i].parameter, curve_errors_[i]});
     }
@@ -492,7 +494,9 @@ class Run {
     const spline::Basis basis(surface_.space);
     const fit::PixelValues values(basis, picture_.width, picture_.height, places_);
     lap("basis");
-    fit_geometry(values);
+    // Knots off the curves hardly change how well the geometry follows them.
+    displacement_.assign(surface_.space->geometry_count(), Vec2{});
+    if (curve_errors_.empty() || curves_refined_) fit_geometry(values);
     surface_.fit = fit::fit_colours(values, pixels(), options_.colour);
     lap("colours");
   }
@@ -501,11 +505,15 @@ class Run {
     displacement_.assign(surface_.space->geometry_count(), Vec2{});
     if (!has_features()) return;
     displacement_ = fit::fit_geometry(values, places_, curves_, options_.geometry);
-    curve_errors_ = fit::geometry_errors(values.basis(), displacement_, curves_);
+    measure_curves(values.basis());
+    lap("geometry");
+  }
+
+  void measure_curves(const spline::Basis& basis) {
+    curve_errors_ = fit::geometry_errors(basis, displacement_, curves_);
     meg_ = curve_errors_.empty() ? 0
                                  : std::accumulate(curve_errors_.begin(), curve_errors_.end(), 0.0) /
                                        static_cast<double>(curve_errors_.size());
-    lap("geometry");
   }
 
   void descend() {
@@ -528,6 +536,9 @@ class Run {
       const fit::PixelValues values(basis, picture_.width, picture_.height, places_);
       lap("basis");
       fit_geometry(values);
+      report_.geometry_folds = fit::unfold_geometry(basis, displacement_);
+      measure_curves(basis);
+      lap("unfold");
       fit::PixelPlaces exact = fit::invert_geometry(values, displacement_, places_);
       places_ = std::move(exact.places);
       weigh(exact.crossed, surface_.space->mesh());
@@ -555,6 +566,7 @@ class Run {
   std::vector<fit::CurvePoint> curves_;
   std::vector<std::uint32_t> curve_segments_;  ///< of the knot mesh, parallel to curves_
   std::vector<double> curve_errors_;           ///< pixels, parallel to curves_
+  bool curves_refined_ = true;                 ///< knots were put on curves after the last geometry fit
 
   std::unique_ptr<knots::Target> target_;
   mesh::KnotMesh start_mesh_;

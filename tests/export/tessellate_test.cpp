@@ -135,7 +135,7 @@ TEST(Layers, DifferOnTheTwoSidesOfEveryFeature) {
         for (const std::uint32_t b : sheets.around(sheets.target(o))) EXPECT_NE(layer[a / 3], layer[b / 3]);
       }
     }
-    EXPECT_LE(*std::max_element(layer.begin(), layer.end()), 8u);
+    EXPECT_LE(*std::max_element(layer.begin(), layer.end()), 3u);
   }
 }
 

@@ -36,6 +36,11 @@ std::vector<Vec2> fit_geometry(const PixelValues& values, std::span<const Vec2> 
 std::vector<double> geometry_errors(const spline::Basis& basis, std::span<const Vec2> displacement,
                                     std::span<const CurvePoint> curves);
 
+/// Shrinks displacements where the map would fold over, which a least-squares fit does not prevent: at
+/// samples on both sides of all features its area must stay above a fifth.
+/// @return the number of samples where that failed.
+std::size_t unfold_geometry(const spline::Basis& basis, std::vector<Vec2>& displacement);
+
 /// The geometry part of a surface turned round: where each pixel centre lies in the parametric domain.
 struct PixelPlaces {
   std::vector<Vec2> places;           ///< row-major; exactly the centre where the geometry is the identity

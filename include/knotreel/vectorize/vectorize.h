@@ -34,8 +34,9 @@ struct Report {
       0;  ///< of these, dropped because features may not use up the control points
   std::size_t feature_pixels = 0;
   std::size_t polyline_vertices = 0;
-  int folds_left = 0;             ///< of the parametrization
-  bool features_dropped = false;  ///< their polylines made no sound knot mesh
+  int folds_left = 0;              ///< of the parametrization
+  std::size_t geometry_folds = 0;  ///< samples beside features where the surface still folds over
+  bool features_dropped = false;   ///< their polylines made no sound knot mesh
   std::vector<RoundReport> rounds;
 };
 
