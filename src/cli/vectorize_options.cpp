@@ -69,7 +69,7 @@ void add_effort(CLI::App& command, VectorizeOptions& options) {
   command
       .add_option("--max-control-points", options.max_control_points,
                   "Upper bound: a number, or a share of the pixels above 0%, at most 100%\n"
-                  "(default 2.8%, but for small pictures 256)")
+                  "(default 2.75%, but for small pictures 256)")
       ->type_name("N|P%");
   add_number(command, "--mec", options.mec, "L", {0, 442},
              "Good enough: mean colour error per pixel, in levels of 0..255\n", text_of(defaults.mec));

@@ -5,7 +5,7 @@
 namespace knotreel::vectorize {
 
 std::size_t default_control_points(std::uint64_t pixels) {
-  return std::max<std::size_t>(256, static_cast<std::size_t>(0.028 * static_cast<double>(pixels)));
+  return std::max<std::size_t>(256, static_cast<std::size_t>(0.0275 * static_cast<double>(pixels)));
 }
 
 Options preset_options(Preset preset) {

@@ -30,9 +30,9 @@ constexpr double kFirstShare = 0.8;
 // and as long as there are weak ones, which the smooth surface can stand in for. Weak are those of little
 // contrast (in levels) within three pixels that have more of it farther away: soft edges.
 constexpr double kFeatureShare = 0.6;
-constexpr double kWeakShare = 0.12;
-constexpr double kWeakContrast = 100;
-constexpr double kSharpness = 0.9;
+constexpr double kWeakShare = 0.1;
+constexpr double kWeakContrast = 140;
+constexpr double kSharpness = 0.93;
 // Control points per pixel of features, about (counted over photographs).
 constexpr double kFunctionsPerFeaturePixel = 0.5;
 // Piecewise linear functions need more knots for the same error than the splines over the same knots.

@@ -47,7 +47,7 @@ struct Options {
   int descent_steps = 4;  ///< on the true residual; 0: none
 };
 
-/// 2.8 % of the pixels, but at least 256: for photographs about 0.75 bytes per pixel by
+/// 2.75 % of the pixels, but at least 256: for photographs about 0.75 bytes per pixel by
 /// raw_accounting_bytes().
 std::size_t default_control_points(std::uint64_t pixels);
 
