@@ -19,8 +19,10 @@ Eigen::MatrixXd greville_colours(const spline::SplineSpace& space, const image::
   Eigen::MatrixXd prior(static_cast<Eigen::Index>(space.function_count()), image.channels);
   for (spline::FunctionIndex f = 0; f < space.function_count(); ++f) {
     const Vec2 site = space.greville(f);
-    const int x = std::clamp(static_cast<int>(std::floor(site.x)), 0, image.width - 1);
-    const int y = std::clamp(static_cast<int>(std::floor(site.y)), 0, image.height - 1);
+    const double column = site.x * image.width / space.mesh().width;
+    const double row = site.y * image.height / space.mesh().height;
+    const int x = std::clamp(static_cast<int>(std::floor(column)), 0, image.width - 1);
+    const int y = std::clamp(static_cast<int>(std::floor(row)), 0, image.height - 1);
     for (int c = 0; c < image.channels; ++c) {
       prior(static_cast<Eigen::Index>(f), c) = static_cast<double>(image.at(x, y, c));
     }

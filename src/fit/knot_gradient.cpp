@@ -222,8 +222,9 @@ void project(const std::array<const float*, 4>& residual, const double* control,
   }
 }
 
-/// Columns of row y where a term can be positive, for pixels at most `slack` from their centres.
-std::pair<int, int> columns_of(const PieceTerm& term, double y, double slack, int width) {
+/// Columns of the row at height y where a term can be positive, for pixels at most `slack` from their
+/// centres.
+std::pair<int, int> columns_of(const PieceTerm& term, double y, double slack, int width, double cell) {
   double low = term.low.x - slack;
   double high = term.high.x + slack;
   const auto clip = [&](const Affine& a) {
@@ -236,7 +237,7 @@ std::pair<int, int> columns_of(const PieceTerm& term, double y, double slack, in
   for (int i = 0; i < term.tent.slope_count; ++i) clip(term.tent.slopes[static_cast<std::size_t>(i)]);
   for (int i = 0; i < term.tent.wall_count; ++i) clip(term.tent.walls[static_cast<std::size_t>(i)]);
   const auto clamped = [width](double v) { return static_cast<int>(std::clamp(v, 0.0, double(width))); };
-  return {clamped(std::ceil(low - 0.5)), clamped(std::floor(high - 0.5) + 1)};
+  return {clamped(std::ceil(low / cell - 0.5)), clamped(std::floor(high / cell - 0.5) + 1)};
 }
 
 class Derivatives {
@@ -246,7 +247,9 @@ class Derivatives {
         image_(*pixels.image),
         fit_(fit),
         directions_(free_directions(basis.space().mesh())),
-        places_(image_.width, image_.height, 1, 1, pixels.places) {
+        cell_width_(basis.space().mesh().width / image_.width),
+        cell_height_(basis.space().mesh().height / image_.height),
+        places_(image_.width, image_.height, cell_width_, cell_height_, pixels.places) {
     const auto channels = static_cast<std::size_t>(image_.channels);
     for (std::size_t c = 0; c < channels; ++c) {
       weighted_[c].resize(image_.pixel_count());
@@ -318,14 +321,15 @@ class Derivatives {
     const Vec2 high = terms.front().high;
     const double slack = places_.reach(low, high);
     const auto clamped = [](double v, int n) { return static_cast<int>(std::clamp(v, 0.0, double(n))); };
-    const int top = clamped(std::ceil(low.y - slack - 0.5), image_.height);
-    const int bottom = clamped(std::floor(high.y + slack - 0.5) + 1, image_.height);
+    const int top = clamped(std::ceil((low.y - slack) / cell_height_ - 0.5), image_.height);
+    const int bottom = clamped(std::floor((high.y + slack) / cell_height_ - 0.5) + 1, image_.height);
     thread_local PixelRow row;
     for (int y = top; y < bottom; ++y) {
       int from = image_.width;
       int to = 0;
       for (const PieceTerm& term : terms) {
-        const auto [first, last] = columns_of(term, y + 0.5, slack, image_.width);
+        const auto [first, last] =
+            columns_of(term, (y + 0.5) * cell_height_, slack, image_.width, cell_width_);
         if (first >= last) continue;
         from = std::min(from, first);
         to = std::max(to, last);
@@ -351,8 +355,10 @@ class Derivatives {
       for (std::size_t i = 0; i < n; ++i) row.x[i] = x[i] - origin.x;
       for (std::size_t i = 0; i < n; ++i) row.y[i] = v[i] - origin.y;
     } else {
-      for (std::size_t i = 0; i < n; ++i) row.x[i] = (from + 0.5 - origin.x) + static_cast<double>(i);
-      std::fill_n(row.y.begin(), n, y + 0.5 - origin.y);
+      for (std::size_t i = 0; i < n; ++i) {
+        row.x[i] = (from + 0.5) * cell_width_ - origin.x + static_cast<double>(i) * cell_width_;
+      }
+      std::fill_n(row.y.begin(), n, (y + 0.5) * cell_height_ - origin.y);
     }
     const auto channels = static_cast<std::size_t>(image_.channels);
     const std::size_t first =
@@ -370,6 +376,8 @@ class Derivatives {
   const image::Image& image_;
   const ColourFit& fit_;
   std::vector<Directions> directions_;
+  double cell_width_;  ///< of a pixel in the domain
+  double cell_height_;
   spline::Places places_;
   std::array<std::vector<float>, 4> weighted_;  ///< residual times weight, by channel
 };

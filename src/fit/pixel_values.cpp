@@ -1,6 +1,7 @@
 #include "knotreel/fit/pixel_values.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 #include "knotreel/base/error.h"
@@ -63,7 +64,7 @@ PixelValues::PixelValues(const spline::Basis& basis, int width, int height, std:
       places_(places),
       band_rows_(std::max(1, kBandPixels / std::max(1, width))) {
   const auto& mesh = basis.space().mesh();
-  if (mesh.width != width || mesh.height != height) {
+  if (width < 1 || height < 1 || std::fmod(mesh.width, width) != 0 || std::fmod(mesh.height, height) != 0) {
     throw Error(ErrorKind::kInvalidArgument, "a fit needs a knot mesh of the size of the picture");
   }
   if (!places.empty() && places.size() != std::size_t(width) * std::size_t(height)) {

@@ -20,12 +20,13 @@ Options preset_options(Preset preset) {
     case Preset::kBalanced:
       options.optimise.rounds = 2;
       options.optimise.steps = 3;
-      options.descent_steps = 4;
+      options.descent_steps = 3;
       break;
     case Preset::kFine:
       options.optimise.rounds = 4;
       options.optimise.steps = 5;
       options.descent_steps = 40;
+      options.half_rows = false;
       break;
   }
   return options;

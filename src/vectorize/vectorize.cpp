@@ -14,6 +14,7 @@
 #include "knotreel/mesh/triangulate.h"
 #include "knotreel/param/parametrized_image.h"
 #include "vectorize/edge_colours.h"
+#include "vectorize/half_rows.h"
 #include "vectorize/initial_mesh.h"
 
 namespace knotreel::vectorize {
@@ -95,6 +96,10 @@ class Run {
     }
     if (options_.descent_steps > 0) {
       begin_round("descent");
+      if (full_fit_ && steering_.image->height != picture_.height) {
+        surface_.fit = fit::fit_colours(spline::Basis(surface_.space), steering_, options_.colour);
+        full_fit_ = false;
+      }
       descend();
       end_round();
     }
@@ -140,10 +145,11 @@ class Run {
   /// MEC and PSNR of the residual, over the pixels that count.
   void measure(RoundReport& r) const {
     const auto channels = static_cast<std::size_t>(picture_.channels);
+    const std::span<const float> weights = full_fit_ ? std::span<const float>(weights_) : steering_.weights;
     double length = 0;
     std::size_t count = 0;
-    for (std::size_t i = 0; i < picture_.pixel_count(); ++i) {
-      if (!weights_.empty() && weights_[i] < 1) continue;
+    for (std::size_t i = 0; i < surface_.fit.residual.size() / channels; ++i) {
+      if (!weights.empty() && weights[i] < 1) continue;
       double squared = 0;
       for (std::size_t c = 0; c < channels; ++c) {
         const double d = static_cast<double>(surface_.fit.residual[i * channels + c]);
@@ -158,8 +164,17 @@ class Run {
         10 * std::log10(255.0 * 255.0 * static_cast<double>(count * channels) / surface_.fit.squared_error);
   }
 
-  bool good_enough() const {
-    return report_.rounds.back().mec <= options_.mec && report_.rounds.back().meg <= options_.meg;
+  /// Whether the thresholds are met; by all pixels, since pairs of rows have less noise.
+  bool good_enough() {
+    const auto met = [&] {
+      return report_.rounds.back().mec <= options_.mec && report_.rounds.back().meg <= options_.meg;
+    };
+    if (!met()) return false;
+    if (!full_fit_) {
+      fit_all_pixels(spline::Basis(surface_.space));
+      measure(report_.rounds.back());
+    }
+    return met();
   }
 
   // -- features and parametrization
@@ -308,6 +323,12 @@ class Run {
     } else {
       target_ = std::make_unique<knots::Target>(picture_, std::vector<float>{});
     }
+    if (options_.half_rows && picture_.height % 2 == 0 && picture_.height >= 16) {
+      half_ = half_rows(full_pixels());
+      steering_ = half_.view();
+    } else {
+      steering_ = full_pixels();
+    }
     lap("resample");
   }
 
@@ -412,7 +433,9 @@ class Run {
     inserted.insert(inserted.end(), off_curves.begin(), off_curves.end());
     lap("insert");
     if (inserted.empty()) return false;
-    knots::optimise(*mesh_, *target_, options_.optimise, two_ring(inserted));
+    knots::OptimiseOptions local = options_.optimise;
+    local.rounds = std::min(local.rounds, 1);  // most of the mesh is as good as it gets
+    knots::optimise(*mesh_, *target_, local, two_ring(inserted));
     lap("optimise");
     return true;
   }
@@ -428,12 +451,16 @@ class Run {
                                   options_.optimise.min_distance);
   }
 
+  /// Squared errors of all pixels.
   std::vector<float> squared_errors() const {
     const auto channels = static_cast<std::size_t>(picture_.channels);
+    const auto width = static_cast<std::size_t>(picture_.width);
+    const std::size_t rows_per_row = full_fit_ || steering_.image->height == picture_.height ? 1 : 2;
     std::vector<float> squared(picture_.pixel_count(), 0);
     for (std::size_t i = 0; i < squared.size(); ++i) {
+      const std::size_t from = i / width / rows_per_row * width + i % width;
       for (std::size_t c = 0; c < channels; ++c) {
-        const float d = surface_.fit.residual[i * channels + c];
+        const float d = surface_.fit.residual[from * channels + c];
         squared[i] += d * d;
       }
     }
@@ -464,7 +491,7 @@ class Run {
 
   // -- surfaces
 
-  fit::Pixels pixels() const { return {.image = &colours(), .weights = weights_, .places = places_}; }
+  fit::Pixels full_pixels() const { return {.image = &colours(), .weights = weights_, .places = places_}; }
 
   void make_space() {
     mesh::KnotMesh mesh = mesh_->to_mesh();
@@ -492,12 +519,19 @@ class Run {
     keep_bound();
     lap("links");
     const spline::Basis basis(surface_.space);
-    const fit::PixelValues values(basis, picture_.width, picture_.height, places_);
-    lap("basis");
-    // Knots off the curves hardly change how well the geometry follows them.
     displacement_.assign(surface_.space->geometry_count(), Vec2{});
-    if (curve_errors_.empty() || curves_refined_) fit_geometry(values);
-    surface_.fit = fit::fit_colours(values, pixels(), options_.colour);
+    // Knots off the curves hardly change how well the geometry follows them.
+    if (has_features() && curves_refined_) {
+      fit_geometry(fit::PixelValues(basis, picture_.width, picture_.height, places_));
+    }
+    surface_.fit = fit::fit_colours(basis, steering_, options_.colour);
+    full_fit_ = false;
+    lap("colours");
+  }
+
+  void fit_all_pixels(const spline::Basis& basis) {
+    surface_.fit = fit::fit_colours(basis, full_pixels(), options_.colour);
+    full_fit_ = true;
     lap("colours");
   }
 
@@ -524,15 +558,14 @@ class Run {
     descent.on_step = [this] {
       if (observer_) observer_({.stage = "descent step", .picture = &picture_});
     };
-    surface_ = fit::descend(std::move(surface_), pixels(), descent);
+    surface_ = fit::descend(std::move(surface_), steering_, descent);
     lap("descend");
   }
 
   /// The last geometry, and colours at the very places where the renderer will look for them.
   void finish() {
-    if (!has_features()) return;
     const spline::Basis basis(surface_.space);
-    {
+    if (has_features()) {
       const fit::PixelValues values(basis, picture_.width, picture_.height, places_);
       lap("basis");
       fit_geometry(values);
@@ -542,10 +575,9 @@ class Run {
       fit::PixelPlaces exact = fit::invert_geometry(values, displacement_, places_);
       places_ = std::move(exact.places);
       weigh(exact.crossed, surface_.space->mesh());
+      lap("invert");
     }
-    lap("invert");
-    surface_.fit = fit::fit_colours(basis, pixels(), options_.colour);
-    lap("colours");
+    fit_all_pixels(basis);
   }
 
   const image::Image& picture_;
@@ -567,6 +599,10 @@ class Run {
   std::vector<std::uint32_t> curve_segments_;  ///< of the knot mesh, parallel to curves_
   std::vector<double> curve_errors_;           ///< pixels, parallel to curves_
   bool curves_refined_ = true;                 ///< knots were put on curves after the last geometry fit
+
+  PixelData half_;
+  fit::Pixels steering_;   ///< what rounds and descent are fitted to: all pixels, or pairs of rows
+  bool full_fit_ = false;  ///< whether the residual is of all pixels
 
   std::unique_ptr<knots::Target> target_;
   mesh::KnotMesh start_mesh_;

@@ -12,7 +12,9 @@ namespace knotreel::fit {
 /// stays bounded (about 250 MB).
 class PixelValues {
  public:
-  /// All arguments must outlive this. @throws Error{kInvalidArgument} if domain and picture differ in size.
+  /// All arguments must outlive this. The pixels cover the domain; each is a whole number of units wide and
+  /// high (1, but for pictures made smaller).
+  /// @throws Error{kInvalidArgument} if domain and picture do not fit.
   PixelValues(const spline::Basis& basis, int width, int height, std::span<const Vec2> places);
 
   const spline::Basis& basis() const { return *basis_; }

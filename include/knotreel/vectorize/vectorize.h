@@ -52,7 +52,7 @@ struct Progress {
   const param::Parametrization* parametrization = nullptr;
   const mesh::KnotMesh* knot_mesh = nullptr;
   const document::FrameModel* model = nullptr;
-  const std::vector<float>* residual = nullptr;  ///< as fit::ColourFit
+  const std::vector<float>* residual = nullptr;  ///< as fit::ColourFit; see Options::half_rows
 };
 
 /// Called between stages, on the thread of the caller; may throw to stop the work.
