@@ -18,9 +18,6 @@ Options preset_options(Preset preset) {
       options.descent_steps = 0;
       break;
     case Preset::kBalanced:
-      options.optimise.rounds = 2;
-      options.optimise.steps = 3;
-      options.descent_steps = 3;
       break;
     case Preset::kFine:
       options.optimise.rounds = 4;
