@@ -128,7 +128,12 @@ nlohmann::ordered_json stats_json(const Arguments& arguments, const image::Image
 void vectorize(const Arguments& arguments) {
   const ThreadCap cap(arguments.threads);
   StageTimer timer;
-  const image::Image image = image::read_image(arguments.input);
+  image::ImageFileInfo source;
+  const image::Image image = image::read_image(arguments.input, &source);
+  if (source.colour_profile) {
+    warn(fmt::format("{} has a colour profile, which is not applied: colours are taken as they are stored",
+                     arguments.input));
+  }
   const vectorize::Options options = effective_options(arguments.options, image.pixel_count());
   probe_outputs(arguments);
   Watcher watcher(arguments.debug_dir, timer);

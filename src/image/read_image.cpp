@@ -5,6 +5,7 @@
 #include <string>
 
 #include "codec.h"
+#include "colour_profile.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
 
@@ -54,7 +55,10 @@ Image read_image(const std::filesystem::path& path, ImageFileInfo* info) {
   try {
     Decoded decoded = decode(file);
     if (decoded.samples == SampleType::f32) check_finite(decoded.image);
-    if (info != nullptr) *info = {*detect_format(file), decoded.samples, file.size()};
+    if (info != nullptr) {
+      const ImageFormat format = *detect_format(file);
+      *info = {format, decoded.samples, file.size(), has_colour_profile(file, format)};
+    }
     return std::move(decoded.image);
   } catch (const DecodeError& e) {
     throw error(e.what());

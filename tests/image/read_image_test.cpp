@@ -4,6 +4,7 @@
 #include <png.h>
 
 #include <cstring>
+#include <fstream>
 #include <opencv2/imgcodecs.hpp>
 #include <random>
 
@@ -48,6 +49,43 @@ TEST(ReadImage, NetpbmPlainAndRaw) {
   EXPECT_EQ(samples_of(dir, "a", "P3 1 1 255 1 2 3"), (std::vector<float>{1, 2, 3}));
   EXPECT_EQ(samples_of(dir, "a", "P6\n1 1\n255\nabc"), (std::vector<float>{'a', 'b', 'c'}));
   EXPECT_EQ(samples_of(dir, "a", std::string("P5 1 1 65535 \xff\xff", 15)), (std::vector<float>{255}));
+}
+
+TEST(ReadImage, ColourProfilesAreNoted) {
+  const TempDir dir;
+  const Image image = test::random_8bit_picture(8, 8, 3, 1);
+  for (const char* name : {"a.png", "a.jpg", "a.tiff", "a.webp", "a.bmp", "a.ppm"}) {
+    write_image(dir / name, image);
+    ImageFileInfo info;
+    read_image(dir / name, &info);
+    EXPECT_FALSE(info.colour_profile) << name;
+  }
+  // With a profile: a PNG by libpng, a JPEG by an APP2 segment after the first marker.
+  std::FILE* file = std::fopen((dir / "p.png").c_str(), "wb");
+  png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
+  png_infop header = png_create_info_struct(png);
+  png_init_io(png, file);
+  png_set_benign_errors(png, 1);  // the profile is no real one
+  png_set_IHDR(png, header, 1, 1, 8, PNG_COLOR_TYPE_RGB, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
+               PNG_FILTER_TYPE_DEFAULT);
+  png_write_info_before_PLTE(png, header);
+  const std::string chunk = std::string("name\0\0", 6) + "not compressed";
+  png_write_chunk(png, reinterpret_cast<png_const_bytep>("iCCP"),
+                  reinterpret_cast<png_const_bytep>(chunk.data()), chunk.size());
+  png_byte row[3] = {1, 2, 3};
+  png_write_row(png, row);
+  png_write_end(png, nullptr);
+  png_destroy_write_struct(&png, &header);
+  std::fclose(file);
+  std::ifstream plain(dir / "a.jpg", std::ios::binary);
+  std::string jpeg((std::istreambuf_iterator<char>(plain)), {});
+  jpeg.insert(2, std::string("\xff\xe2\x00\x12", 4) + "ICC_PROFILE" + std::string("\0\1\1xx", 5));
+  write_text(dir / "p.jpg", jpeg);
+  for (const char* name : {"p.png", "p.jpg"}) {
+    ImageFileInfo info;
+    read_image(dir / name, &info);
+    EXPECT_TRUE(info.colour_profile) << name;
+  }
 }
 
 TEST(ReadImage, PngPalettesTransparencyAndSmallDepths) {

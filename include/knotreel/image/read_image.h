@@ -12,6 +12,7 @@ struct ImageFileInfo {
   ImageFormat format = ImageFormat::kPng;
   SampleType samples = SampleType::u8;  ///< as decoded: depths below 8 bits count as u8
   std::uint64_t file_bytes = 0;
+  bool colour_profile = false;  ///< an ICC profile is embedded; it is not applied
 };
 
 /// Reads a picture: PNG, JPEG (also CMYK), TIFF, WebP, BMP, PBM/PGM/PPM, PAM, PFM, recognised by content; the
