@@ -82,6 +82,20 @@ TEST_P(Descent, NeverEndsWorseAndStaysSound) {
   }
 }
 
+/// Knots that are where the picture has them: every step leads away, and none of them is kept.
+TEST_P(Descent, StepsThatRaiseTheErrorAreNotKept) {
+  const ColourFitOptions options{.ridge = 1e-11, .smooth_corners = false};
+  const auto space = make_space(featured_mesh(2), GetParam());
+  const std::vector<double> control = random_control(space->function_count(), 3);
+  const image::Image image =
+      picture_of(slow_surface(spline::Basis(space), control, 1, 48, 40, {}), 48, 40, 1);
+  const Pixels pixels{.image = &image};
+  ColourSurface from{space, fit_colours(spline::Basis(space), pixels, options)};
+  const ColourSurface to = descend(from, pixels, {.steps = 3, .colour = options});
+  EXPECT_EQ(to.space, from.space);
+  EXPECT_EQ(to.fit.control, from.fit.control);
+}
+
 TEST_P(Descent, KnotsGoWhereTheyHelp) {
   const image::Image image = picture(1);
   const Pixels pixels{.image = &image};
