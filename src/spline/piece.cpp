@@ -21,6 +21,8 @@ class TentMaker {
   Vec2 at(CornerIndex c) const {
     return shift_ && knot(c) == shift_->knot ? shift_->position : space_.position(c);
   }
+  /// Without the shift.
+  Vec2 at_rest(CornerIndex c) const { return space_.position(c); }
 
   /// Degree 0: 1/area inside the triangle.
   std::optional<Tent> constant(const std::array<CornerIndex, 3>& t) const {
@@ -113,12 +115,13 @@ class TentMaker {
   }
 
   std::optional<Tent> with_collinear_knots(std::array<CornerIndex, 3> line, CornerIndex apex) const {
-    // Order along the line; the ends first.
-    const Vec2 d0 = at(line[1]) - at(line[0]);
-    const Vec2 d1 = at(line[2]) - at(line[0]);
+    // Order along the line, at rest: the direction must not turn where the middle knot is half way.
+    const Vec2 d0 = at_rest(line[1]) - at_rest(line[0]);
+    const Vec2 d1 = at_rest(line[2]) - at_rest(line[0]);
     const Vec2 direction = dot(d0, d0) > dot(d1, d1) ? d0 : d1;
-    std::sort(line.begin(), line.end(),
-              [&](CornerIndex a, CornerIndex b) { return dot(at(a), direction) < dot(at(b), direction); });
+    std::sort(line.begin(), line.end(), [&](CornerIndex a, CornerIndex b) {
+      return dot(at_rest(a), direction) < dot(at_rest(b), direction);
+    });
     const auto [p, m, q] = line;
     if (collinear(p, q, apex)) return std::nullopt;
     Tent tent;
@@ -151,16 +154,18 @@ Affine area_weight(Vec2 b, Vec2 c) {
   return {-0.5 * e.y, 0.5 * e.x, b.x, b.y};
 }
 
-/// Cuts M_2(u | V) into three tents by the recurrence on the triangle of largest area (paper Eq. 1).
+/// Cuts M_2(u | V) into three tents by the recurrence on the triangle of largest area (paper Eq. 1). Largest
+/// without the shift: where areas tie, a shift would cut otherwise, and pieces could not be subtracted.
 void add_quadratic(const TentMaker& maker, const std::array<CornerIndex, 5>& v,
                    std::vector<PieceTerm>& terms) {
   double largest = 0;
   std::array<std::size_t, 3> t{};
   const auto at = [&](std::size_t i) { return maker.at(v[i]); };
+  const auto rest = [&](std::size_t i) { return maker.at_rest(v[i]); };
   for (std::size_t i = 0; i < 5; ++i) {
     for (std::size_t j = i + 1; j < 5; ++j) {
       for (std::size_t k = j + 1; k < 5; ++k) {
-        const double area = std::abs(signed_area(at(i), at(j), at(k)));
+        const double area = std::abs(signed_area(rest(i), rest(j), rest(k)));
         if (area > largest) {
           largest = area;
           t = {i, j, k};
@@ -171,12 +176,12 @@ void add_quadratic(const TentMaker& maker, const std::array<CornerIndex, 5>& v,
   if (largest == 0) return;
   const double area = signed_area(at(t[0]), at(t[1]), at(t[2]));
   for (std::size_t j = 0; j < 3; ++j) {
-    std::array<CornerIndex, 4> rest{};
+    std::array<CornerIndex, 4> others{};
     std::size_t n = 0;
     for (std::size_t i = 0; i < 5; ++i) {
-      if (i != t[j]) rest[n++] = v[i];
+      if (i != t[j]) others[n++] = v[i];
     }
-    const auto tent = maker.linear(rest);
+    const auto tent = maker.linear(others);
     if (!tent) continue;
     Affine factor = area_weight(at(t[(j + 1) % 3]), at(t[(j + 2) % 3]));
     factor.nx /= area;

@@ -1,0 +1,225 @@
+#include "knotreel/fit/colour_fit.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "fit/fit_cases.h"
+#include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
+#include "knotreel/spline/smooth_corners.h"
+#include "support/pictures.h"
+
+namespace knotreel::fit {
+namespace {
+
+using namespace knotreel::testing;
+
+/// Pixels at their centres or displaced, all of weight 1 or not.
+struct Case {
+  int degree;
+  bool displaced;
+  bool weighted;
+};
+
+class ColourFits : public ::testing::TestWithParam<Case> {
+ protected:
+  void SetUp() override {
+    if (GetParam().displaced) places_ = scattered_places(48, 40, 1.5, 7);
+    if (GetParam().weighted) weights_ = random_weights(48 * 40, 8);
+  }
+
+  Pixels pixels(const image::Image& image) const { return {&image, weights_, places_}; }
+  double weight(std::size_t pixel) const {
+    return weights_.empty() ? 1 : static_cast<double>(weights_[pixel]);
+  }
+  std::vector<double> surface(const ColourFit& fit, int channels) const {
+    return slow_surface(basis_, fit.control, channels, 48, 40, places_);
+  }
+
+  std::shared_ptr<const spline::SplineSpace> space_ = make_space(featured_mesh(1), GetParam().degree);
+  spline::Basis basis_{space_};
+  std::vector<Vec2> places_;
+  std::vector<float> weights_;
+};
+
+INSTANTIATE_TEST_SUITE_P(All, ColourFits,
+                         ::testing::Values(Case{1, false, false}, Case{1, true, true}, Case{2, false, false},
+                                           Case{2, false, true}, Case{2, true, false}, Case{2, true, true},
+                                           Case{3, false, false}, Case{3, true, true}));
+
+TEST_P(ColourFits, SurfacesOfTheSpaceComeBack) {
+  const std::vector<double> control = random_control(3 * space_->function_count(), 3);
+  const image::Image image = picture_of(slow_surface(basis_, control, 3, 48, 40, places_), 48, 40, 3);
+  const ColourFit fit = fit_colours(basis_, pixels(image), {.ridge = 1e-11, .smooth_corners = false});
+  for (std::size_t i = 0; i < fit.residual.size(); ++i) {
+    if (weight(i / 3) == 0) continue;
+    ASSERT_NEAR(fit.residual[i], 0, 1e-3) << i;
+  }
+  EXPECT_LT(fit.squared_error, 1e-3);
+}
+
+TEST_P(ColourFits, ResidualAndErrorAreThoseOfTheSurface) {
+  for (const int channels : {1, 2, 3, 4}) {
+    const image::Image image = test::random_picture(48, 40, channels, 5);
+    const ColourFit fit = fit_colours(basis_, pixels(image));
+    const std::vector<double> expected = surface(fit, channels);
+    double error = 0;
+    for (std::size_t i = 0; i < expected.size(); ++i) {
+      const double d = static_cast<double>(image.samples[i]) - expected[i];
+      ASSERT_NEAR(fit.residual[i], d, 1e-4) << i;
+      error += weight(i / std::size_t(channels)) * d * d;
+    }
+    EXPECT_NEAR(fit.squared_error, error, 1e-9 * error);
+  }
+}
+
+/// The normal equations, with a dense matrix and weights that are not whole.
+TEST_P(ColourFits, NoSurfaceIsBetter) {
+  if (!weights_.empty()) weights_[3] = 2.5F;
+  const image::Image image = test::random_picture(48, 40, 2, 5);
+  const auto n = static_cast<Eigen::Index>(space_->function_count());
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(48 * 40, n);
+  Eigen::MatrixXd b(48 * 40, 2);
+  Eigen::VectorXd w(48 * 40);
+  std::vector<spline::BasisValue> values;
+  for (std::size_t i = 0; i < 48 * 40; ++i) {
+    const auto row = static_cast<Eigen::Index>(i);
+    basis_.evaluate(places_.empty() ? pixel_centre(i, 48) : places_[i], values);
+    for (const auto& v : values) a(row, static_cast<Eigen::Index>(v.function)) = v.value;
+    w[row] = weight(i);
+    b.row(row) << static_cast<double>(image.samples[2 * i]), static_cast<double>(image.samples[2 * i + 1]);
+  }
+  const Eigen::MatrixXd matrix = a.transpose() * w.asDiagonal() * a;
+  Eigen::MatrixXd prior(n, 2);
+  for (Eigen::Index f = 0; f < n; ++f) {
+    const Vec2 site = space_->greville(static_cast<spline::FunctionIndex>(f));
+    const int x = std::min(47, static_cast<int>(site.x));
+    const int y = std::min(39, static_cast<int>(site.y));
+    for (int c = 0; c < 2; ++c) prior(f, c) = static_cast<double>(image.at(x, y, c));
+  }
+  for (const bool smooth : {false, true}) {
+    const ColourFitOptions options{.ridge = 1e-3, .smooth_corners = smooth};
+    const ColourFit fit = fit_colours(basis_, pixels(image), options);
+    const Eigen::MatrixXd c =
+        Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
+            fit.control.data(), n, 2);
+    const double ridge = options.ridge * std::max(1.0, matrix.diagonal().maxCoeff());
+    Eigen::MatrixXd gradient = matrix * c - a.transpose() * (w.asDiagonal() * b) + ridge * (c - prior);
+    if (smooth) {
+      const Eigen::MatrixXd p(spline::smooth_corner_prolongation(*space_, spline::SharedFunctions::kFree));
+      EXPECT_LE((p * (p.transpose() * c) - c).cwiseAbs().maxCoeff(), 1e-8) << "the surface is smooth";
+      gradient = (p.transpose() * gradient).eval();
+    }
+    EXPECT_LE(gradient.cwiseAbs().maxCoeff(), 1e-7) << "smooth corners " << smooth;
+  }
+}
+
+/// The colours of pixels without weight count only at Greville sites, where the ridge draws to them.
+TEST_P(ColourFits, PixelsWithoutWeightDoNotCount) {
+  if (!GetParam().weighted) return;
+  const image::Image image = test::random_picture(48, 40, 3, 5);
+  std::vector<bool> site(48 * 40, false);
+  for (spline::FunctionIndex f = 0; f < space_->function_count(); ++f) {
+    const Vec2 s = space_->greville(f);
+    site[std::min<std::size_t>(39, std::size_t(s.y)) * 48 + std::min<std::size_t>(47, std::size_t(s.x))] =
+        true;
+  }
+  image::Image other = image;
+  image::Image all = image;
+  int changed = 0;
+  for (std::size_t i = 0; i < 3 * weights_.size(); ++i) {
+    if (weights_[i / 3] > 0) continue;
+    all.samples[i] = 255 - all.samples[i];
+    if (site[i / 3]) continue;
+    other.samples[i] = 255 - other.samples[i];
+    ++changed;
+  }
+  ASSERT_GT(changed, 300);
+  const ColourFit expected = fit_colours(basis_, pixels(image));
+  const ColourFit fit = fit_colours(basis_, pixels(other));
+  EXPECT_EQ(fit.control, expected.control);
+  EXPECT_EQ(fit.squared_error, expected.squared_error);
+  // The ridge is weak: hardly any influence where others decide.
+  EXPECT_NEAR(fit_colours(basis_, pixels(all)).squared_error, expected.squared_error,
+              1e-4 * expected.squared_error);
+}
+
+TEST_P(ColourFits, TheNumberOfThreadsDoesNotMatter) {
+  const image::Image image = test::random_picture(48, 40, 3, 5);
+  ColourFit fits[2];
+  for (int i = 0; i < 2; ++i) {
+    const ThreadCap cap(i + 1);
+    fits[i] = fit_colours(basis_, pixels(image));
+  }
+  EXPECT_EQ(fits[0].control, fits[1].control);
+  EXPECT_EQ(fits[0].residual, fits[1].residual);
+  EXPECT_EQ(fits[0].squared_error, fits[1].squared_error);
+}
+
+/// Knots closer than pixels: many functions without any pixel fall back to the picture.
+TEST(ColourFitOfTinyFaces, StaysNearThePicture) {
+  MeshBuilder b(20, 16);
+  std::mt19937_64 random(4);
+  std::uniform_real_distribution<double> unit(-0.2, 0.2);
+  for (int i = 0; i < 12; ++i) b.free(8 + unit(random), 7 + unit(random));
+  const mesh::KnotMesh mesh = b.triangulated();
+  image::Image image = test::random_picture(20, 16, 3, 5);
+  for (std::size_t i = 0; i < image.samples.size(); ++i) {
+    image.samples[i] = 0.1F * image.samples[i] + 8.0F * static_cast<float>(i / 3 % 20);
+  }
+  for (const int degree : {1, 2, 3}) {
+    const auto space = make_space(mesh, degree);
+    const spline::Basis basis(space);
+    const PixelValues values(basis, 20, 16, {});
+    const ColourFit fit = fit_colours(values, {.image = &image}, {.smooth_corners = false});
+    // Functions that are not zero at any pixel have exactly the colour of the picture at their site.
+    std::vector<double> largest(space->function_count(), 0.0);
+    std::vector<spline::BasisValue> at;
+    for (std::size_t i = 0; i < 20 * 16; ++i) {
+      basis.evaluate(pixel_centre(i, 20), at);
+      for (const auto& v : at) largest[v.function] = std::max(largest[v.function], v.value);
+    }
+    int lost = 0;
+    for (spline::FunctionIndex f = 0; f < largest.size(); ++f) {
+      const Vec2 s = space->greville(f);
+      for (int c = 0; c < 3; ++c) {
+        const double control = fit.control[3 * f + std::size_t(c)];
+        ASSERT_LT(std::abs(control), 1000) << "degree " << degree;
+        if (largest[f] > 0) continue;
+        ++lost;
+        EXPECT_NEAR(control, static_cast<double>(image.at(std::min(19, int(s.x)), std::min(15, int(s.y)), c)),
+                    1e-6);
+      }
+    }
+    EXPECT_GT(lost, 0) << "degree " << degree;
+    const ColourFit smooth = fit_colours(values, {.image = &image});
+    for (const double c : smooth.control) EXPECT_LT(std::abs(c), 1000);
+  }
+}
+
+TEST(ColourFitInput, SizesMustAgree) {
+  const auto space = make_space(featured_mesh(1), 2);
+  const spline::Basis basis(space);
+  const image::Image image = test::random_picture(48, 40, 3, 5);
+  const std::vector<float> weights(48 * 40 - 1, 1.0F);
+  const std::vector<Vec2> places(48 * 40 + 1);
+  EXPECT_THROW(fit_colours(basis, {.image = &image, .weights = weights}), Error);
+  EXPECT_THROW(fit_colours(basis, {.image = &image, .places = places}), Error);
+}
+
+TEST(SurfaceAtPixels, EqualsEvaluationByPoints) {
+  const std::vector<Vec2> places = scattered_places(48, 40, 1.5, 7);
+  for (const int channels : {1, 2, 3, 4}) {
+    const auto space = make_space(featured_mesh(2), 2);
+    const spline::Basis basis(space);
+    const std::vector<double> control = random_control(space->function_count() * std::size_t(channels), 3);
+    std::vector<double> out(48 * 40 * std::size_t(channels), 1e9);  // overwritten
+    surface_at_pixels(PixelValues(basis, 48, 40, places), control, channels, out);
+    const std::vector<double> expected = slow_surface(basis, control, channels, 48, 40, places);
+    for (std::size_t i = 0; i < out.size(); ++i) ASSERT_NEAR(out[i], expected[i], 1e-9);
+  }
+}
+
+}  // namespace
+}  // namespace knotreel::fit
