@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "knotreel/base/parallel.h"
+#include "knots/disc_walk.h"
 
 namespace knotreel::knots {
 
@@ -249,7 +250,7 @@ std::size_t remove_slivers(EditableMesh& mesh, const Target& target, const Optim
   for (KnotIndex k = 0; k < mesh.knot_slots(); ++k) {
     if (!mesh.is_knot(k) || mesh.knot(k).kind != KnotKind::kFree) continue;
     mesh.faces_around(k, ring);
-    bool bad = !keeps_distance(mesh, k, ring, options.min_distance);
+    bool bad = !far_from_lines(mesh, ring.front(), mesh.position(k), options.min_distance);
     for (const FaceIndex f : ring) {
       // The knot to blame is the one at the largest angle.
       const auto t = mesh.triangle(f);

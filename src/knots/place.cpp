@@ -5,6 +5,8 @@
 #include <optional>
 #include <queue>
 
+#include "knots/disc_walk.h"
+
 namespace knotreel::knots {
 
 namespace {
@@ -15,11 +17,6 @@ using mesh::KnotIndex;
 
 // Nearer to a fixed edge than this share of its length, a knot goes onto the edge.
 constexpr double kNearEdge = 0.12;
-
-double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
-  const double t = std::clamp(dot(p - a, b - a) / dot(b - a, b - a), 0.0, 1.0);
-  return norm(p - (a + t * (b - a)));
-}
 
 /// Centroid of the squared error of a face.
 Vec2 error_centroid(const EditableMesh& mesh, const Target& target, FaceIndex f) {
@@ -48,11 +45,6 @@ struct Place {
   int side = -1;  ///< the edge opposite this corner, or -1
 };
 
-bool far_from_knots(const EditableMesh& mesh, FaceIndex f, Vec2 p, double distance) {
-  const auto triangle = mesh.triangle(f);
-  return std::all_of(triangle.begin(), triangle.end(), [&](Vec2 q) { return norm(p - q) >= distance; });
-}
-
 std::optional<Place> find_place(const EditableMesh& mesh, FaceIndex f, Vec2 wanted, double distance) {
   const auto v = mesh.triangle(f);
   for (int i = 0; i < 3; ++i) {
@@ -63,7 +55,9 @@ std::optional<Place> find_place(const EditableMesh& mesh, FaceIndex f, Vec2 want
     if (distance_to_segment(wanted, a, b) >= std::max(distance, kNearEdge * length)) continue;
     if (length < 4 * distance) return std::nullopt;
     const double t = std::clamp(dot(wanted - a, b - a) / (length * length), 0.25, 0.75);
-    return Place{a + t * (b - a), i};
+    const Vec2 p = a + t * (b - a);
+    if (!far_from_knots(mesh, f, p, distance)) return std::nullopt;
+    return Place{p, i};
   }
   // A little inside, so that no new face is flat from the start.
   const Vec2 centre = (1.0 / 3) * (v[0] + v[1] + v[2]);
@@ -71,7 +65,9 @@ std::optional<Place> find_place(const EditableMesh& mesh, FaceIndex f, Vec2 want
     const Vec2 p = wanted + pull * (centre - wanted);
     const bool inside = signed_area(v[0], v[1], p) > 0.05 && signed_area(v[1], v[2], p) > 0.05 &&
                         signed_area(v[2], v[0], p) > 0.05;
-    if (inside && far_from_knots(mesh, f, p, distance)) return Place{p, -1};
+    if (inside && far_from_knots(mesh, f, p, distance) && far_from_lines(mesh, f, p, distance)) {
+      return Place{p, -1};
+    }
   }
   return std::nullopt;
 }
