@@ -10,7 +10,7 @@ namespace knotreel::fit {
 struct DescentOptions {
   int steps = 12;
   double first_step = 0.1;    ///< of a knot, as a share of its shortest edge
-  double min_distance = 1.0;  ///< of knots from each other, from features and from the border; pixels
+  double min_distance = 1.0;  ///< faces keep a quarter of it as their height, if they have that; pixels
   ColourFitOptions colour{};
   std::function<void()> on_step{};  ///< called before each step; may throw to stop the work
 };
@@ -23,7 +23,8 @@ struct ColourSurface {
 
 /// Descent on the true residual: moves the knots against knot_gradient(), each with a step of its own that
 /// grows while the gradient keeps its direction and shrinks when it turns, and fits the colours again after
-/// each step. Connectivity and links stay. Steps that raise the error are taken back.
+/// each step. Connectivity and links stay. A step may raise the error;
+/// the best surface met is returned.
 /// @param pixels their places in the domain are held.
 ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options);
 
