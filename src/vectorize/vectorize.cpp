@@ -34,6 +34,8 @@ constexpr double kFeatureShare = 0.6;
 constexpr double kWeakShare = 0.1;
 constexpr double kWeakContrast = 140;
 constexpr double kSharpness = 0.93;
+// Of a share, when it is exceeded: estimates by pixels are rough, and another try costs a parametrization.
+constexpr double kMargin = 0.75;
 // Control points per pixel of features, about (counted over photographs).
 constexpr double kFunctionsPerFeaturePixel = 0.5;
 // Piecewise linear functions need more knots for the same error than the splines over the same knots.
@@ -80,6 +82,7 @@ class Run {
 
   Vectorization run() {
     begin_round("round 1");
+    last_round_ = options_.rounds == 1;
     if (options_.features) find_features();
     map_features();
     place_knots();
@@ -87,6 +90,7 @@ class Run {
     end_round();
     for (int round = 2; round <= options_.rounds && !good_enough(); ++round) {
       begin_round("round " + std::to_string(round));
+      last_round_ = round == options_.rounds;
       if (!refine(round)) {
         report_.rounds.pop_back();
         break;
@@ -230,8 +234,9 @@ class Run {
   bool limit_features(double functions) {
     const auto most = static_cast<double>(max_functions_);
     if (functions <= kWeakShare * most) return false;
-    if (keep_strongest(0.9 * kWeakShare * most / functions, true)) return true;
-    return functions > kFeatureShare * most && keep_strongest(0.9 * kFeatureShare * most / functions, false);
+    if (keep_strongest(kMargin * kWeakShare * most / functions, true)) return true;
+    return functions > kFeatureShare * most &&
+           keep_strongest(kMargin * kFeatureShare * most / functions, false);
   }
 
   /// Mean over the points of a chain of the largest range of a channel within some pixels.
@@ -495,7 +500,7 @@ class Run {
 
   void make_space() {
     mesh::KnotMesh mesh = mesh_->to_mesh();
-    surface_.space = options_.picture_links
+    surface_.space = options_.picture_links && last_round_
                          ? std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree,
                                                                        knots::picture_links(*target_))
                          : std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree);
@@ -603,6 +608,8 @@ class Run {
   PixelData half_;
   fit::Pixels steering_;   ///< what rounds and descent are fitted to: all pixels, or pairs of rows
   bool full_fit_ = false;  ///< whether the residual is of all pixels
+
+  bool last_round_ = false;
 
   std::unique_ptr<knots::Target> target_;
   mesh::KnotMesh start_mesh_;

@@ -41,7 +41,7 @@ struct Options {
   param::ParametrizeOptions parametrize{.polyline_distance = 2};
   double segment_knot_spacing = 12;  ///< one to three simple knots per feature segment, about this far apart
 
-  knots::OptimiseOptions optimise{.rounds = 2, .steps = 3};
+  knots::OptimiseOptions optimise{.rounds = 1, .steps = 4};
   fit::ColourFitOptions colour{};
   fit::GeometryFitOptions geometry{};
   bool half_rows = true;  ///< rounds and descent look at pairs of rows: about half the time, -0.1 dB
