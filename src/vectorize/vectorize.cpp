@@ -510,11 +510,14 @@ class Run {
   void keep_bound() {
     while (surface_.space->function_count() > max_functions_) {
       const std::size_t excess = surface_.space->function_count() - max_functions_;
-      std::size_t left = excess / 3 + 1;
+      // A knot takes two or three functions with it; to build the space once more costs more than a few
+      // knots.
+      const std::size_t knots = excess / 2 + 4;
+      std::size_t left = knots;
       for (std::size_t k = mesh_->knot_slots(); k-- > 0 && left > 0;) {
         if (mesh_->is_knot(static_cast<KnotIndex>(k)) && mesh_->remove(static_cast<KnotIndex>(k))) --left;
       }
-      if (left > excess / 3) return;  // no free knot is left
+      if (left == knots) return;  // no free knot is left
       make_space();
     }
   }
