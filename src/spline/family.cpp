@@ -80,33 +80,27 @@ void for_each_vertex(std::span<const FamilyConfig> family, int level,
   }
 }
 
-std::vector<std::array<CornerIndex, 3>> link_triangles(const SplineSpace& space, LinkVertex& vertex,
-                                                       int level, const Triangulator& triangulator,
-                                                       std::vector<std::uint32_t>& place) {
-  const mesh::CutMesh& cut = space.cut();
+void append_loops(const mesh::CutMesh& cut, LinkVertex& vertex, int level, std::vector<std::uint32_t>& place,
+                  std::vector<LinkLoop>& loops) {
   const std::span<const CornerIndex> knots(vertex.knots.data(), static_cast<std::size_t>(level) + 1);
   const auto is_copy = [&](CornerIndex c) {
     return cut.corners[c].multiple && std::find(knots.begin(), knots.end(), c) != knots.end();
   };
-  std::vector<std::array<CornerIndex, 3>> result;
-  std::vector<PolygonTriangle> triangles;
-  std::vector<Vec2> positions;
   for (std::vector<CornerIndex>& loop : link_loops(cut, knots, vertex.edges, place)) {
-    triangles.clear();
-    const auto n = static_cast<std::uint32_t>(loop.size());
-    if (n == 3) {
-      triangles.push_back({0, 1, 2});
-    } else if (const auto copy = std::find_if(loop.begin(), loop.end(), is_copy); copy != loop.end()) {
-      std::rotate(loop.begin(), copy, loop.end());
-      for (std::uint32_t i = 1; i + 1 < n; ++i) triangles.push_back({0, i, i + 1});
-    } else {
-      positions.clear();
-      for (const CornerIndex c : loop) positions.push_back(space.position(c));
-      triangulator({knots, loop, positions}, triangles);
+    bool fan = loop.size() == 3;
+    if (!fan) {
+      const auto copy = std::find_if(loop.begin(), loop.end(), is_copy);
+      fan = copy != loop.end();
+      if (fan) std::rotate(loop.begin(), copy, loop.end());
     }
-    for (const PolygonTriangle& t : triangles) result.push_back({loop[t[0]], loop[t[1]], loop[t[2]]});
+    loops.push_back({vertex.knots, std::move(loop), fan});
   }
-  return result;
+}
+
+void append_fan(const LinkLoop& loop, std::vector<std::array<CornerIndex, 3>>& triangles) {
+  for (std::size_t i = 1; i + 1 < loop.corners.size(); ++i) {
+    triangles.push_back({loop.corners[0], loop.corners[i], loop.corners[i + 1]});
+  }
 }
 
 }  // namespace knotreel::spline

@@ -32,15 +32,20 @@ struct LinkVertex {
 void for_each_vertex(std::span<const FamilyConfig> family, int level,
                      const std::function<void(LinkVertex&)>& visit);
 
-/// Triangulates a polygon with four or more corners that has no copy of J among its corners; appends
-/// triangles.
-using Triangulator = std::function<void(const LinkPolygon&, std::vector<PolygonTriangle>&)>;
+/// One loop of the link of a vertex of a family.
+struct LinkLoop {
+  std::array<CornerIndex, 3> vertex;  ///< J, as in LinkVertex
+  std::vector<CornerIndex> corners;   ///< positive order; a fan starts with its centre
+  bool fan = false;                   ///< has one triangulation only: a triangle, or around a copy of J
+};
 
-/// Triangulates the link of one vertex of a family: fans around copies of a multiple corner of J, and what
-/// `triangulator` chooses elsewhere.
+/// Appends the loops of the link of one vertex: fans around copies of a multiple corner of J, and polygons
+/// with four or more corners, none of which is in J.
 /// @param place scratch space, see link_loops.
-std::vector<std::array<CornerIndex, 3>> link_triangles(const SplineSpace& space, LinkVertex& vertex,
-                                                       int level, const Triangulator& triangulator,
-                                                       std::vector<std::uint32_t>& place);
+void append_loops(const mesh::CutMesh& cut, LinkVertex& vertex, int level, std::vector<std::uint32_t>& place,
+                  std::vector<LinkLoop>& loops);
+
+/// Appends the triangles of a fan.
+void append_fan(const LinkLoop& loop, std::vector<std::array<CornerIndex, 3>>& triangles);
 
 }  // namespace knotreel::spline

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
 #include "knotreel/spline/link.h"
 #include "spline/family.h"
 
@@ -22,26 +23,69 @@ class SpaceBuilder {
     space_.cut_ = mesh::cut_open(space_.mesh_);
   }
 
-  void run(const Triangulator& triangulator) {
+  /// Appends the codes of the links of one level, in the order of the polygons.
+  using Chooser = std::function<void(std::span<const LinkPolygon>, std::vector<std::uint16_t>&)>;
+
+  /// @param misfit what to say of codes that do not fit the links.
+  void run(const Chooser& choose, const Error& misfit) {
     std::vector<FamilyConfig> family = face_family(space_.cut_);
     std::vector<std::uint32_t> place(space_.cut_.corners.size(), kNotOnPath);
     for (int level = 0; level + 1 < space_.degree_; ++level) {
-      std::vector<FamilyConfig> next;
-      for_each_vertex(family, level, [&](LinkVertex& vertex) {
-        const std::array<CornerIndex, 2> inner{vertex.knots[0], vertex.knots[1]};
-        for (const auto& t : link_triangles(space_, vertex, level, triangulator, place)) {
-          next.push_back({t, inner});
-        }
-      });
-      family = std::move(next);
+      std::vector<LinkLoop> loops;
+      for_each_vertex(family, level,
+                      [&](LinkVertex& vertex) { append_loops(space_.cut_, vertex, level, place, loops); });
+      const std::size_t from = space_.link_codes_.size();
+      choose_links(loops, level, choose);
+      family = next_family(loops, std::span(space_.link_codes_).subspan(from), misfit);
     }
     name_functions(family);
     group_by_geometry();
   }
 
-  std::vector<std::uint16_t>& codes() { return space_.link_codes_; }
-
  private:
+  void choose_links(const std::vector<LinkLoop>& loops, int level, const Chooser& choose) {
+    std::vector<Vec2> positions;
+    for (const LinkLoop& loop : loops) {
+      if (loop.fan) continue;
+      for (const CornerIndex c : loop.corners) positions.push_back(space_.position(c));
+    }
+    std::vector<LinkPolygon> polygons;
+    std::size_t at = 0;
+    for (const LinkLoop& loop : loops) {
+      if (loop.fan) continue;
+      const std::size_t n = loop.corners.size();
+      polygons.push_back({std::span(loop.vertex.data(), static_cast<std::size_t>(level) + 1), loop.corners,
+                          std::span(positions).subspan(at, n)});
+      at += n;
+    }
+    choose(polygons, space_.link_codes_);
+  }
+
+  static std::vector<FamilyConfig> next_family(const std::vector<LinkLoop>& loops,
+                                               std::span<const std::uint16_t> codes, const Error& misfit) {
+    std::vector<FamilyConfig> next;
+    std::vector<std::array<CornerIndex, 3>> fan;
+    std::vector<PolygonTriangle> triangles;
+    for (const LinkLoop& loop : loops) {
+      const std::array<CornerIndex, 2> inner{loop.vertex[0], loop.vertex[1]};
+      if (loop.fan) {
+        fan.clear();
+        append_fan(loop, fan);
+        for (const auto& t : fan) next.push_back({t, inner});
+        continue;
+      }
+      triangles.clear();
+      const auto used = decode_triangulation(loop.corners.size(), codes, triangles);
+      if (!used) throw misfit;
+      codes = codes.subspan(*used);
+      for (const PolygonTriangle& t : triangles) {
+        next.push_back({{loop.corners[t[0]], loop.corners[t[1]], loop.corners[t[2]]}, inner});
+      }
+    }
+    if (!codes.empty()) throw misfit;
+    return next;
+  }
+
   void name_functions(const std::vector<FamilyConfig>& family) {
     space_.configs_.reserve(family.size());
     for (const FamilyConfig& c : family) {
@@ -96,20 +140,28 @@ void delaunay_policy(const LinkPolygon& polygon, std::vector<std::uint16_t>& cod
 }  // namespace
 
 SplineSpace::SplineSpace(mesh::KnotMesh mesh, int degree)
-    : SplineSpace(std::move(mesh), degree, delaunay_policy) {}
+    : SplineSpace(std::move(mesh), degree, delaunay_policy, LinkOrder::kAny) {}
 
-SplineSpace::SplineSpace(mesh::KnotMesh mesh, int degree, const LinkPolicy& policy) {
+SplineSpace::SplineSpace(mesh::KnotMesh mesh, int degree, const LinkPolicy& policy, LinkOrder order) {
   require_sound(mesh::find_defect(mesh), ErrorKind::kInvalidArgument);
   SpaceBuilder builder(*this, std::move(mesh), degree);
-  builder.run([&](const LinkPolygon& polygon, std::vector<PolygonTriangle>& triangles) {
-    const std::size_t before = builder.codes().size();
-    policy(polygon, builder.codes());
-    const auto chosen = std::span(builder.codes()).subspan(before);
-    const auto used = decode_triangulation(polygon.corners.size(), chosen, triangles);
-    if (!used || *used != chosen.size()) {
-      throw Error(ErrorKind::kInvalidArgument, "a link policy gave codes that do not fit its polygon");
-    }
-  });
+  builder.run(
+      [&](std::span<const LinkPolygon> polygons, std::vector<std::uint16_t>& codes) {
+        if (order == LinkOrder::kFixed) {
+          for (const LinkPolygon& polygon : polygons) policy(polygon, codes);
+          return;
+        }
+        constexpr std::size_t kBlock = 64;
+        std::vector<std::vector<std::uint16_t>> parts((polygons.size() + kBlock - 1) / kBlock);
+        parallel_for(parts.size(), [&](std::size_t block) {
+          for (const LinkPolygon& polygon :
+               polygons.subspan(block * kBlock, std::min(kBlock, polygons.size() - block * kBlock))) {
+            policy(polygon, parts[block]);
+          }
+        });
+        for (const auto& part : parts) codes.insert(codes.end(), part.begin(), part.end());
+      },
+      {ErrorKind::kInvalidArgument, "a link policy gave codes that do not fit its polygons"});
 }
 
 SplineSpace SplineSpace::from_link_codes(mesh::KnotMesh mesh, int degree,
@@ -117,14 +169,22 @@ SplineSpace SplineSpace::from_link_codes(mesh::KnotMesh mesh, int degree,
   require_sound(mesh::find_topological_defect(mesh), ErrorKind::kInput);
   SplineSpace space;
   SpaceBuilder builder(space, std::move(mesh), degree);
-  std::size_t at = 0;
-  builder.run([&](const LinkPolygon& polygon, std::vector<PolygonTriangle>& triangles) {
-    const auto used = decode_triangulation(polygon.corners.size(), codes.subspan(at), triangles);
-    if (!used) throw Error(ErrorKind::kInput, "the link codes do not fit the knot mesh");
-    at += *used;
-  });
-  if (at != codes.size()) throw Error(ErrorKind::kInput, "more link codes than the knot mesh has links");
-  builder.codes().assign(codes.begin(), codes.end());
+  const Error misfit(ErrorKind::kInput, "the link codes do not fit the knot mesh");
+  builder.run(
+      [&](std::span<const LinkPolygon> polygons, std::vector<std::uint16_t>& taken) {
+        std::size_t count = 0;
+        std::vector<PolygonTriangle> triangles;
+        for (const LinkPolygon& polygon : polygons) {
+          const auto used = decode_triangulation(polygon.corners.size(), codes.subspan(count), triangles);
+          if (!used) throw misfit;
+          count += *used;
+          triangles.clear();
+        }
+        taken.insert(taken.end(), codes.begin(), codes.begin() + static_cast<std::ptrdiff_t>(count));
+        codes = codes.subspan(count);
+      },
+      misfit);
+  if (!codes.empty()) throw Error(ErrorKind::kInput, "more link codes than the knot mesh has links");
   return space;
 }
 
@@ -152,12 +212,24 @@ std::vector<std::vector<std::array<CornerIndex, 3>>> function_triangles(const Sp
   for (const Config& c : space.configs()) family.push_back({c.triangle, c.inner});
   std::vector<std::uint32_t> place(space.cut().corners.size(), kNotOnPath);
   std::vector<std::vector<std::array<CornerIndex, 3>>> result;
-  const Triangulator triangulator = [](const LinkPolygon& polygon, std::vector<PolygonTriangle>& triangles) {
-    triangles = triangulate_polygon(polygon.positions);
-  };
+  std::vector<LinkLoop> loops;
+  std::vector<Vec2> positions;
   for_each_vertex(family, space.degree() - 1, [&](LinkVertex& vertex) {
     if (vertex.edges.empty()) return;
-    auto triangles = link_triangles(space, vertex, space.degree() - 1, triangulator, place);
+    loops.clear();
+    append_loops(space.cut(), vertex, space.degree() - 1, place, loops);
+    std::vector<std::array<CornerIndex, 3>> triangles;
+    for (const LinkLoop& loop : loops) {
+      if (loop.fan) {
+        append_fan(loop, triangles);
+        continue;
+      }
+      positions.clear();
+      for (const CornerIndex c : loop.corners) positions.push_back(space.position(c));
+      for (const PolygonTriangle& t : triangulate_polygon(positions)) {
+        triangles.push_back({loop.corners[t[0]], loop.corners[t[1]], loop.corners[t[2]]});
+      }
+    }
     std::erase_if(triangles, [&](const std::array<CornerIndex, 3>& t) {
       return signed_area(space.position(t[0]), space.position(t[1]), space.position(t[2])) == 0;
     });

@@ -500,10 +500,11 @@ class Run {
 
   void make_space() {
     mesh::KnotMesh mesh = mesh_->to_mesh();
-    surface_.space = options_.picture_links && last_round_
-                         ? std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree,
-                                                                       knots::picture_links(*target_))
-                         : std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree);
+    surface_.space =
+        options_.picture_links && last_round_
+            ? std::make_shared<const spline::SplineSpace>(
+                  std::move(mesh), options_.degree, knots::picture_links(*target_), spline::LinkOrder::kAny)
+            : std::make_shared<const spline::SplineSpace>(std::move(mesh), options_.degree);
   }
 
   /// Takes away the knots inserted last until the bound on the control points holds.

@@ -40,8 +40,14 @@ struct LinkPolygon {
 };
 
 /// Chooses a triangulation of a link: appends the apex codes of the polygon (see link.h). Called once per
-/// polygon with four or more corners, in the fixed order of the space.
+/// polygon with four or more corners.
 using LinkPolicy = std::function<void(const LinkPolygon&, std::vector<std::uint16_t>& codes)>;
+
+/// How a LinkPolicy is called for the polygons of a level.
+enum class LinkOrder : std::uint8_t {
+  kFixed,  ///< one after the other, in the order of the space
+  kAny,    ///< several at the same time, in any order
+};
 
 /// The spline space of one knot mesh: cut mesh, links, t-configs, basis functions. Immutable; all const
 /// members may be called from several threads.
@@ -53,7 +59,7 @@ class SplineSpace {
   SplineSpace(mesh::KnotMesh mesh, int degree);
 
   /// The same with link triangulations chosen by the caller.
-  SplineSpace(mesh::KnotMesh mesh, int degree, const LinkPolicy& policy);
+  SplineSpace(mesh::KnotMesh mesh, int degree, const LinkPolicy& policy, LinkOrder order = LinkOrder::kFixed);
 
   /// The same from stored codes, as link_codes() gave them. Uses no floating-point predicate: equal input
   /// gives the same space on every machine. The mesh must have no topological defect (checked).

@@ -1,0 +1,35 @@
+#pragma once
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+
+#include "knotreel/base/vec2.h"
+
+/// Shapes of triangles.
+namespace knotreel::knots {
+
+/// Height of a triangle over its longest side.
+inline double height_over_longest(const std::array<Vec2, 3>& t) {
+  const double longest = std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
+  return 2 * signed_area(t[0], t[1], t[2]) / longest;
+}
+
+/// Corner with the largest angle: opposite the longest side, the first one of equals.
+inline std::size_t widest_corner(const std::array<Vec2, 3>& t) {
+  const std::array<double, 3> opposite{norm(t[2] - t[1]), norm(t[0] - t[2]), norm(t[1] - t[0])};
+  return static_cast<std::size_t>(std::max_element(opposite.begin(), opposite.end()) - opposite.begin());
+}
+
+/// Whether an angle is smaller than `least_angle` degrees; if one is larger than 180 - least_angle, another
+/// one is smaller too.
+inline bool is_sliver(const std::array<Vec2, 3>& t, double least_angle) {
+  const double a = norm(t[2] - t[1]);
+  const double b = norm(t[0] - t[2]);
+  const double c = norm(t[1] - t[0]);
+  const double sine = std::sin(least_angle * std::numbers::pi / 180);
+  return 2 * signed_area(t[0], t[1], t[2]) < sine * std::max({a * b, b * c, c * a});
+}
+
+}  // namespace knotreel::knots
