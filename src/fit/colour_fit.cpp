@@ -1,11 +1,12 @@
 #include "knotreel/fit/colour_fit.h"
 
-#include <Eigen/CholmodSupport>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
 #include "fit/normal_equations.h"
+#include "fit/reduced_system.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/spline/smooth_corners.h"
@@ -28,14 +29,6 @@ Eigen::MatrixXd greville_colours(const spline::SplineSpace& space, const image::
     }
   }
   return prior;
-}
-
-Eigen::MatrixXd solve(const Eigen::SparseMatrix<double>& lower, const Eigen::MatrixXd& right) {
-  const Eigen::CholmodSimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(lower);
-  if (factor.info() != Eigen::Success) {
-    throw Error(ErrorKind::kInternal, "the normal equations of the colour fit cannot be factored");
-  }
-  return factor.solve(right);
 }
 
 /// Picture minus surface.
@@ -79,16 +72,14 @@ ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const Col
 
   // min |A c - b|^2 + ridge |c - prior|^2 over c = P z, with P the identity or the smooth surfaces.
   const Eigen::MatrixXd right = normal.right + ridge * greville_colours(space, image);
-  Eigen::MatrixXd control;
+  Eigen::SparseMatrix<double> p;
   if (options.smooth_corners) {
-    const Eigen::SparseMatrix<double> p =
-        spline::smooth_corner_prolongation(space, spline::SharedFunctions::kFree);
-    const Eigen::SparseMatrix<double> full = normal.matrix.selfadjointView<Eigen::Lower>();
-    const Eigen::SparseMatrix<double> reduced = p.transpose() * full * p;
-    control = p * solve(reduced.triangularView<Eigen::Lower>(), p.transpose() * right);
+    p = spline::smooth_corner_prolongation(space, spline::SharedFunctions::kFree);
   } else {
-    control = solve(normal.matrix, right);
+    p.resize(normal.matrix.rows(), normal.matrix.rows());
+    p.setIdentity();
   }
+  const Eigen::MatrixXd control = solve_reduced(normal.matrix, p, right);
   ColourFit fit;
   fit.control.resize(static_cast<std::size_t>(control.size()));
   Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(

@@ -1,0 +1,96 @@
+#include "fit/reduced_system.h"
+
+#include <Eigen/CholmodSupport>
+#include <algorithm>
+#include <numeric>
+
+#include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
+
+namespace knotreel::fit {
+
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
+
+struct Entry {
+  int row;
+  double value;
+};
+
+/// Calls visit(row, column, value) for all shares of the lower half of P^T A P, in a fixed order.
+template <class Visit>
+void for_shares(const Matrix& lower, const RowMatrix& p, Visit&& visit) {
+  for (int j = 0; j < lower.outerSize(); ++j) {
+    for (Matrix::InnerIterator entry(lower, j); entry; ++entry) {
+      const int i = static_cast<int>(entry.row());
+      for (RowMatrix::InnerIterator a(p, i); a; ++a) {
+        for (RowMatrix::InnerIterator b(p, j); b; ++b) {
+          const int r = static_cast<int>(a.col());
+          const int c = static_cast<int>(b.col());
+          if (i == j && r < c) continue;
+          // The share of the upper half of A falls on the diagonal too.
+          const double twice = r == c && i != j ? 2.0 : 1.0;
+          visit(std::max(r, c), std::min(r, c), twice * a.value() * entry.value() * b.value());
+        }
+      }
+    }
+  }
+}
+
+/// The lower half of P^T A P. Most rows of P are those of the identity, which products of sparse matrices
+/// do not make use of.
+Matrix reduce(const Matrix& lower, const RowMatrix& p) {
+  const auto n = static_cast<std::size_t>(p.cols());
+  std::vector<std::size_t> begin(n + 1, 0);
+  for_shares(lower, p, [&](int, int c, double) { ++begin[static_cast<std::size_t>(c) + 1]; });
+  std::partial_sum(begin.begin(), begin.end(), begin.begin());
+  std::vector<Entry> entries(begin.back());
+  std::vector<std::size_t> end(begin.begin(), begin.end() - 1);
+  for_shares(lower, p, [&](int r, int c, double v) { entries[end[static_cast<std::size_t>(c)]++] = {r, v}; });
+  constexpr std::size_t kBlock = 256;
+  parallel_for((n + kBlock - 1) / kBlock, [&](std::size_t block) {
+    for (std::size_t c = block * kBlock; c < std::min(n, (block + 1) * kBlock); ++c) {
+      const auto first = entries.begin() + static_cast<std::ptrdiff_t>(begin[c]);
+      const auto last = entries.begin() + static_cast<std::ptrdiff_t>(end[c]);
+      std::stable_sort(first, last, [](const Entry& a, const Entry& b) { return a.row < b.row; });
+      auto to = first;
+      for (auto from = first; from != last; ++from) {
+        if (to != first && (to - 1)->row == from->row) {
+          (to - 1)->value += from->value;
+        } else {
+          *to++ = *from;
+        }
+      }
+      end[c] = static_cast<std::size_t>(to - entries.begin());
+    }
+  });
+  Matrix reduced(p.cols(), p.cols());
+  std::size_t count = 0;
+  for (std::size_t c = 0; c < n; ++c) count += end[c] - begin[c];
+  reduced.resizeNonZeros(static_cast<Eigen::Index>(count));
+  count = 0;
+  for (std::size_t c = 0; c < n; ++c) {
+    reduced.outerIndexPtr()[c] = static_cast<int>(count);
+    for (std::size_t i = begin[c]; i < end[c]; ++i, ++count) {
+      reduced.innerIndexPtr()[count] = entries[i].row;
+      reduced.valuePtr()[count] = entries[i].value;
+    }
+  }
+  reduced.outerIndexPtr()[n] = static_cast<int>(count);
+  return reduced;
+}
+
+}  // namespace
+
+Eigen::MatrixXd solve_reduced(const Matrix& lower, const Matrix& p, const Eigen::MatrixXd& right) {
+  const Eigen::CholmodSimplicialLDLT<Matrix, Eigen::Lower> factor(reduce(lower, RowMatrix(p)));
+  if (factor.info() != Eigen::Success) {
+    throw Error(ErrorKind::kInternal, "the normal equations of the colour fit cannot be factored");
+  }
+  const Eigen::MatrixXd z = factor.solve(p.transpose() * right);
+  return p * z;
+}
+
+}  // namespace knotreel::fit
