@@ -61,8 +61,9 @@ void add_effort(CLI::App& command, VectorizeOptions& options) {
   const vectorize::Options defaults;
   command
       .add_option("--preset", options.preset,
-                  "Time or quality: fast, balanced or fine. Sets --rounds, --descent-steps\n"
-                  "and the sweeps over the knots; options given besides it win")
+                  "Time or quality: fast, balanced or fine. Sets --rounds, --descent-steps,\n"
+                  "--max-blur, the sweeps over the knots and how far colours beside features\n"
+                  "are corrected; options given besides it win")
       ->check(CLI::IsMember(kPresets).description(""))
       ->type_name("NAME")
       ->capture_default_str();
@@ -94,7 +95,7 @@ void add_features(CLI::App& command, VectorizeOptions& options) {
              "Shorter features are dropped, in pixels ", text_of(defaults.min_length));
   add_number(command, "--max-blur", options.max_blur, "PX", {0, 100},
              "Wider edges are left to the smooth surface, in pixels; 0: none are\n",
-             text_of(defaults.max_blur));
+             by_preset([](const vectorize::Options& o) { return text_of(o.detect.max_blur); }));
   command.add_flag("--no-features", options.no_features, "Look for no features: smooth everywhere");
   command.add_flag("--no-fairing", options.no_fairing, "Leave the curves of features as they were found");
   command.add_flag("--no-colour-correction", options.no_colour_correction,
@@ -198,7 +199,8 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
           {"correction",
            {{"one_ring", o.correction.one_ring},
             {"two_ring", o.correction.two_ring},
-            {"clean_only", o.correction.clean_only}}},
+            {"clean_only", o.correction.clean_only},
+            {"strength", o.correction.strength}}},
           {"parametrize",
            {{"polyline_distance", o.parametrize.polyline_distance},
             {"polyline_bulge", o.parametrize.polyline_bulge},

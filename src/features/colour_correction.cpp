@@ -108,6 +108,9 @@ image::Image correct_colours(const image::Image& image, const FeatureChains& cha
     throw Error(ErrorKind::kInvalidArgument,
                 "the weights of the colour correction must be positive with sum 1");
   }
+  if (!(options.strength >= 0 && options.strength <= 1)) {
+    throw Error(ErrorKind::kInvalidArgument, "the strength of the colour correction must be 0 to 1");
+  }
   image::Image result = image;
   const Surroundings around(chains);
   const auto beside = [&](int i) { return around.place(i) != Place::kClean; };
@@ -124,7 +127,8 @@ image::Image correct_colours(const image::Image& image, const FeatureChains& cha
       const auto sample = std::size_t(pixel) * std::size_t(image.channels) + std::size_t(c);
       double value = (1 - one_ring) * mean(image, rings.two, c);
       if (one_ring > 0) value += one_ring * mean(image, rings.one, c);
-      result.samples[sample] = float(value);
+      const double own = double(image.samples[sample]);
+      result.samples[sample] = float(own + options.strength * (value - own));
     }
   }
   return result;

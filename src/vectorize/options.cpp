@@ -24,6 +24,9 @@ Options preset_options(Preset preset) {
       options.optimise.steps = 5;
       options.descent_steps = 40;
       options.half_rows = false;
+      // What is meant to be true to the picture leaves its softer edges soft.
+      options.detect.max_blur = 1;
+      options.correction.strength = 0.2;
       break;
   }
   return options;

@@ -12,6 +12,9 @@ struct CorrectionOptions {
   /// 2 to 10 times nearer to those of the sides; on noisy hard ones fewer pixels average the noise (decision
   /// 8).
   bool clean_only = false;
+  /// How far pixels go from their own colours to those of their side, 0 to 1 (the paper's). A sharp edge has
+  /// a colour of its side there already; a lens leaves a mixture, of which the rest stays in the picture.
+  double strength = 1;
 };
 
 /// The picture with the mixed colours beside features replaced (paper Eq. 6): each pixel in the one-ring of a

@@ -34,9 +34,11 @@ struct Options {
   bool colour_correction = true;
   bool picture_links = true;  ///< link triangulations chosen by the picture
   features::DetectOptions detect{
-      .edge_threshold = 8, .anchor_threshold = 16, .min_length = 10, .min_weight = 600, .max_blur = 3};
+      .edge_threshold = 8, .anchor_threshold = 16, .min_length = 10, .min_weight = 600, .max_blur = 2};
   features::FairOptions fair{};
-  features::CorrectionOptions correction{};
+  /// Half of the paper's: most edges of photographs are blurred by the lens, and what is made sharper than
+  /// the picture costs PSNR (docs/decisions/0012).
+  features::CorrectionOptions correction{.strength = 0.5};
   /// Two pixels in place of the paper's three: the geometry part has less to bend, and folds less often.
   param::ParametrizeOptions parametrize{.polyline_distance = 2};
   double segment_knot_spacing = 12;  ///< one to three simple knots per feature segment, about this far apart
@@ -45,7 +47,7 @@ struct Options {
   fit::ColourFitOptions colour{};
   fit::GeometryFitOptions geometry{};
   bool half_rows = true;  ///< rounds and descent look at pairs of rows: about half the time, -0.1 dB
-  int descent_steps = 3;  ///< on the true residual; 0: none
+  int descent_steps = 2;  ///< on the true residual; 0: none
 };
 
 /// 2.75 % of the pixels, but at least 256: for photographs about 0.75 bytes per pixel by
