@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <set>
@@ -176,10 +177,27 @@ TEST(ColourCorrection, NoColourCrossesAFeature) {
   }
 }
 
+TEST(ColourCorrection, StrengthIsTheShareOfTheWay) {
+  image::Image image = image::make_image(40, 40, 1);
+  for (int y = 0; y < 40; ++y) {
+    for (int x = 0; x < 40; ++x) image.at(x, y, 0) = float(std::clamp(20 * (x + y) - 900, 10, 240));
+  }
+  const FeatureChains chains = detect_features(image);
+  ASSERT_FALSE(chains.chains.empty());
+  const image::Image all = correct_colours(image, chains);
+  EXPECT_NE(all.samples, image.samples);
+  EXPECT_EQ(correct_colours(image, chains, {.strength = 0}).samples, image.samples);
+  const image::Image part = correct_colours(image, chains, {.strength = 0.25});
+  for (std::size_t i = 0; i < all.samples.size(); ++i) {
+    EXPECT_NEAR(part.samples[i], image.samples[i] + 0.25F * (all.samples[i] - image.samples[i]), 1e-4);
+  }
+}
+
 TEST(ColourCorrection, WrongArgumentsAreRefused) {
   const image::Image image = image::make_image(4, 4, 1);
   const FeatureChains chains{4, 4, {}, 0};
   EXPECT_THROW(correct_colours(image, FeatureChains{4, 5, {}, 0}), Error);
+  EXPECT_THROW(correct_colours(image, chains, {.strength = 1.5}), Error);
   EXPECT_THROW(correct_colours(image, chains, {.one_ring = 0.5}), Error);
   EXPECT_THROW(correct_colours(image, chains, {.one_ring = -0.5, .two_ring = 1.5}), Error);
   EXPECT_EQ(correct_colours(image, chains).samples, image.samples);
