@@ -180,7 +180,7 @@ TEST(ColourCorrection, NoColourCrossesAFeature) {
 TEST(ColourCorrection, StrengthIsTheShareOfTheWay) {
   image::Image image = image::make_image(40, 40, 1);
   for (int y = 0; y < 40; ++y) {
-    for (int x = 0; x < 40; ++x) image.at(x, y, 0) = float(std::clamp(20 * (x + y) - 900, 10, 240));
+    for (int x = 0; x < 40; ++x) image.at(x, y, 0) = float(std::clamp(80 * (x + y) - 3900, 10, 240));
   }
   const FeatureChains chains = detect_features(image);
   ASSERT_FALSE(chains.chains.empty());
