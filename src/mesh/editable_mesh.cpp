@@ -25,13 +25,14 @@ constexpr std::size_t previous(std::size_t i) {
 
 }  // namespace
 
-EditableMesh::EditableMesh(const KnotMesh& mesh)
+EditableMesh::EditableMesh(const KnotMesh& mesh, std::uint32_t first_new_id)
     : width_(mesh.width),
       height_(mesh.height),
       knots_(mesh.knots),
       face_of_(mesh.knots.size(), kNoFace),
       faces_(mesh.faces),
-      segments_(mesh.segments) {
+      segments_(mesh.segments),
+      next_id_(first_new_id) {
   const auto half_edges = connect_half_edges(mesh.faces);
   if (!half_edges) throw Error(ErrorKind::kInvalidArgument, "cannot edit a knot mesh that is no surface");
   std::map<std::pair<KnotIndex, KnotIndex>, std::uint32_t> segment_of;

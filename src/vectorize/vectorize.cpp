@@ -13,7 +13,7 @@
 #include "knotreel/knots/refine.h"
 #include "knotreel/mesh/triangulate.h"
 #include "knotreel/param/parametrized_image.h"
-#include "vectorize/edge_colours.h"
+#include "knotreel/fit/edge_colours.h"
 #include "vectorize/half_rows.h"
 #include "vectorize/initial_mesh.h"
 
@@ -40,8 +40,6 @@ constexpr double kMargin = 0.75;
 constexpr double kFunctionsPerFeaturePixel = 0.5;
 // Piecewise linear functions need more knots for the same error than the splines over the same knots.
 constexpr double kLinearSlack = 1.3;
-// Weight of pixels that a feature crosses.
-constexpr float kEdgeWeight = 0.1F;
 
 class Timer {
  public:
@@ -382,12 +380,11 @@ class Run {
     return a + s.t * (b - a);
   }
 
-  /// Pixels that features cross count little, with the colour of their side: enough to keep the surface from
-  /// overshooting where it ends, too little to blur it.
+  /// Pixels that features cross count little, with the colour of their side.
   void weigh(const std::vector<std::uint8_t>& crossed, const mesh::KnotMesh& mesh) {
-    const std::vector<std::uint8_t> given = clear_edge_colours(corrected_, places_, crossed, mesh);
+    const std::vector<std::uint8_t> given = fit::clear_edge_colours(corrected_, places_, crossed, mesh);
     for (std::size_t i = 0; i < weights_.size(); ++i) {
-      weights_[i] = !crossed[i] ? 1.0F : given[i] ? kEdgeWeight : 0.0F;
+      weights_[i] = !crossed[i] ? 1.0F : given[i] ? fit::kEdgeWeight : 0.0F;
     }
   }
 

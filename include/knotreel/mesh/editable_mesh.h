@@ -26,8 +26,12 @@ class EditableMesh {
     int side;
   };
 
-  /// @param mesh sound and triangulated.
-  explicit EditableMesh(const KnotMesh& mesh);
+  /// @param mesh sound and triangulated. @param first_new_id least id of knots to come: names of knots that
+  /// were removed earlier are not used again.
+  explicit EditableMesh(const KnotMesh& mesh, std::uint32_t first_new_id = 0);
+
+  /// Id of the next new knot.
+  std::uint32_t next_id() const { return next_id_; }
 
   /// The mesh without the gaps that removals left; ids are kept, faces are in canonical order.
   KnotMesh to_mesh() const;

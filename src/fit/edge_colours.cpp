@@ -1,11 +1,11 @@
-#include "vectorize/edge_colours.h"
+#include "knotreel/fit/edge_colours.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <vector>
 
-namespace knotreel::vectorize {
+namespace knotreel::fit {
 
 namespace {
 
@@ -89,4 +89,4 @@ std::vector<std::uint8_t> clear_edge_colours(image::Image& picture, std::span<co
   return given;
 }
 
-}  // namespace knotreel::vectorize
+}  // namespace knotreel::fit

@@ -7,7 +7,11 @@
 #include "knotreel/image/image.h"
 #include "knotreel/mesh/knot_mesh.h"
 
-namespace knotreel::vectorize {
+namespace knotreel::fit {
+
+/// Weight of pixels that a feature crosses and that have the colour of their side: enough to keep the surface
+/// from overshooting where it ends, too little to blur it. Those without such a colour have none.
+inline constexpr float kEdgeWeight = 0.1F;
 
 /// Gives the pixels that a feature crosses the colour of the side on which their centre lies: the mean of the
 /// neighbours there that no feature crosses. Pixels without such a neighbour keep their colour.
@@ -18,4 +22,4 @@ std::vector<std::uint8_t> clear_edge_colours(image::Image& picture, std::span<co
                                              std::span<const std::uint8_t> crossed,
                                              const mesh::KnotMesh& mesh);
 
-}  // namespace knotreel::vectorize
+}  // namespace knotreel::fit

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <memory>
+
+#include "knotreel/motion/cut.h"
+#include "knotreel/motion/flow.h"
+#include "knotreel/motion/luma.h"
+
+namespace knotreel::track {
+
+/// What is known of the way from one picture of a video to the next, without any model of them.
+struct Motion {
+  std::shared_ptr<const motion::Luma> before;
+  std::shared_ptr<const motion::Luma> now;
+  motion::FlowPair flow;  ///< from the picture before to this one, and back
+  motion::CutMeasure change;
+};
+
+}  // namespace knotreel::track

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "knotreel/document/frame_model.h"
+#include "knotreel/image/image.h"
+#include "knotreel/track/carry_mesh.h"
+#include "knotreel/track/motion.h"
+#include "knotreel/vectorize/options.h"
+
+namespace knotreel::track {
+
+struct TrackOptions {
+  bool warm_start = true;             ///< false: every frame is made from its picture alone
+  double temporal_weight = 0.5;       ///< of what the frame before missed, 0 to 1: keeps noise from flickering
+  int keyframe_interval = 250;        ///< most frames of a group, 1 or more
+  double scene_threshold = 0.4;       ///< as motion::CutOptions::threshold
+  double drift = 1.0;                 ///< dB below the start of the group at which a new one starts
+  int descent_steps = 0;              ///< of each warm frame, on the true residual
+  CarryOptions carry{};
+};
+
+/// Why a frame is as it is.
+enum class Start : std::uint8_t {
+  kFirst,     ///< the first frame
+  kCut,       ///< cold: the scene changes
+  kInterval,  ///< cold: the group has as many frames as it may
+  kDrift,     ///< cold: the carried model had become too bad
+  kWarm,      ///< from the frame before
+};
+
+const char* to_string(Start start);
+
+struct FrameReport {
+  Start start = Start::kFirst;
+  std::size_t knots = 0;
+  std::size_t control_points = 0;
+  double mec = 0;       ///< of the fit, levels, as in vectorize::RoundReport
+  double psnr = 0;      ///< of the fit, dB
+  double survival = 0;  ///< share of the knots of the frame before that are in this one, 0 to 1
+  CarryReport carry;
+  std::size_t inserted = 0;
+  std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
+};
+
+/// Makes the vector model of each picture of a video from that of the picture before (docs/algorithm.md,
+/// "video"): knots and features follow the motion, where nothing moves nothing changes, and only the colours
+/// are fitted again. Frames come in order; not safe to use from several threads. The result does not depend
+/// on the number of threads.
+class Tracker {
+ public:
+  Tracker(const vectorize::Options& cold, const TrackOptions& options);
+  ~Tracker();
+  Tracker(Tracker&&) noexcept;
+  Tracker& operator=(Tracker&&) noexcept;
+
+  /// @param picture of the same size and channels as those before.
+  /// @param motion  from the picture before; null for the first frame and after a gap: a cold start.
+  /// @return the model, keyframe if it does not depend on the one before; frame and pts are left to the caller.
+  /// @throws Error{kInvalidArgument} as vectorize_picture(), and if sizes differ.
+  document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport* report = nullptr);
+
+ private:
+  class Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace knotreel::track

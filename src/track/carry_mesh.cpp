@@ -1,0 +1,219 @@
+#include "knotreel/track/carry_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace knotreel::track {
+
+using mesh::EditableMesh;
+using mesh::FaceIndex;
+using mesh::KnotIndex;
+using mesh::KnotKind;
+using mesh::KnotMesh;
+
+namespace {
+
+constexpr int kMendingRounds = 8;
+
+/// Gives segments up whose ends cannot stay inside the domain; their knots become free where nothing else
+/// holds them.
+KnotMesh without_leaving_segments(const KnotMesh& mesh, std::span<const Vec2> targets, std::size_t& dropped) {
+  const auto leaves = [&](KnotIndex k) {
+    const Vec2 p = mesh.knots[k].position;
+    const Vec2 t = targets[k];
+    const auto axis = [](double before, double now, double size) {
+      if (before == 0 || before == size) return now != before;  // slides along another side
+      return now < 1 || now > size - 1;
+    };
+    return axis(p.x, t.x, mesh.width) || axis(p.y, t.y, mesh.height);
+  };
+  KnotMesh result = mesh;
+  std::erase_if(result.segments, [&](const mesh::FeatureSegment& s) {
+    return leaves(s.knots.front()) || leaves(s.knots.back());
+  });
+  dropped = mesh.segments.size() - result.segments.size();
+  if (dropped == 0) return result;
+  std::vector<bool> held(mesh.knots.size(), false);
+  for (const mesh::FeatureSegment& s : result.segments) {
+    for (const KnotIndex k : s.knots) held[k] = true;
+  }
+  for (KnotIndex k = 0; k < held.size(); ++k) {
+    mesh::Knot& knot = result.knots[k];
+    const bool x_side = knot.position.x == 0 || knot.position.x == mesh.width;
+    const bool y_side = knot.position.y == 0 || knot.position.y == mesh.height;
+    if (held[k] || knot.kind == KnotKind::kFree || (x_side && y_side)) continue;
+    knot.kind = x_side || y_side ? KnotKind::kBorder : KnotKind::kFree;
+  }
+  return result;
+}
+
+double height_over_longest(Vec2 a, Vec2 b, Vec2 c) {
+  const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
+  return longest > 0 ? 2 * signed_area(a, b, c) / longest : 0;
+}
+
+class Carrier {
+ public:
+  Carrier(const KnotMesh& mesh, std::vector<Vec2> targets, const CarryOptions& options, CarryReport& report)
+      : mesh_(mesh), targets_(std::move(targets)), least_(0.25 * options.min_distance), report_(report) {}
+
+  KnotMesh run() {
+    remove_leaving();
+    for (int round = 0; round < kMendingRounds; ++round) {
+      std::vector<FaceIndex> bad = bad_faces();
+      if (bad.empty()) break;
+      for (const FaceIndex f : bad) {
+        if (is_bad(f) && !flip_away(f)) remove_from(f);
+      }
+    }
+    hold_rest();
+    return moved();
+  }
+
+ private:
+  double height(const mesh::Face& v, bool after) const {
+    const auto at = [&](KnotIndex k) { return after ? targets_[k] : mesh_.position(k); };
+    return height_over_longest(at(v[0]), at(v[1]), at(v[2]));
+  }
+
+  /// Too flat after the move; what is flatter already may stay as it is.
+  bool is_bad(const mesh::Face& v) const {
+    const double after = height(v, true);
+    if (after >= least_) return false;
+    const bool still = std::all_of(v.begin(), v.end(),
+                                   [&](KnotIndex k) { return targets_[k] == mesh_.position(k); });
+    return !still && (after <= 0.02 || after < 0.999 * height(v, false));
+  }
+  bool is_bad(FaceIndex f) const { return mesh_.is_face(f) && is_bad(mesh_.face(f)); }
+
+  std::vector<FaceIndex> bad_faces() const {
+    std::vector<FaceIndex> bad;
+    for (FaceIndex f = 0; f < mesh_.face_slots(); ++f) {
+      if (is_bad(f)) bad.push_back(f);
+    }
+    return bad;
+  }
+
+  void remove_leaving() {
+    for (KnotIndex k = 0; k < targets_.size(); ++k) {
+      const Vec2 t = targets_[k];
+      const bool inside =
+          t.x >= 1 && t.y >= 1 && t.x <= mesh_.width() - 1 && t.y <= mesh_.height() - 1;
+      if (mesh_.knot(k).kind != KnotKind::kFree || inside) continue;
+      if (mesh_.remove(k)) {
+        ++report_.removed;
+      } else {
+        targets_[k] = mesh_.position(k);
+        ++report_.held;
+      }
+    }
+  }
+
+  /// Flips an edge of a face if both faces are sound after it, now and after the move.
+  bool flip_away(FaceIndex f) {
+    for (int side = 0; side < 3; ++side) {
+      const EditableMesh::Edge e{f, side};
+      if (!mesh_.can_flip(e)) continue;
+      const EditableMesh::Edge m = mesh_.mirror(e);
+      const auto i = static_cast<std::size_t>(side);
+      const mesh::Face& v = mesh_.face(f);
+      const KnotIndex q = mesh_.face(m.face)[static_cast<std::size_t>(m.side)];
+      const mesh::Face first{v[i], v[(i + 1) % 3], q};
+      const mesh::Face second{v[i], q, v[(i + 2) % 3]};
+      if (height(first, true) < least_ || height(second, true) < least_) continue;
+      mesh_.flip(e);
+      ++report_.flips;
+      return true;
+    }
+    return false;
+  }
+
+  /// Takes away the free knot of a face that moves least like its neighbours.
+  void remove_from(FaceIndex f) {
+    std::optional<KnotIndex> worst;
+    double most = -1;
+    for (const KnotIndex k : mesh_.face(f)) {
+      if (mesh_.knot(k).kind != KnotKind::kFree) continue;
+      const double d = deviation(k);
+      if (d > most) worst = k;
+      most = std::max(most, d);
+    }
+    if (worst && mesh_.remove(*worst)) ++report_.removed;
+  }
+
+  double deviation(KnotIndex k) const {
+    std::vector<FaceIndex> ring;
+    mesh_.faces_around(k, ring);
+    Vec2 sum;
+    std::size_t count = 0;
+    for (const FaceIndex f : ring) {
+      for (const KnotIndex j : mesh_.face(f)) {
+        if (j == k) continue;
+        sum = sum + (targets_[j] - mesh_.position(j));
+        ++count;
+      }
+    }
+    return norm(targets_[k] - mesh_.position(k) - (1.0 / static_cast<double>(count)) * sum);
+  }
+
+  /// Lets the knots of faces stay that are still bad, segments as a whole. Ends, since what stays is sound.
+  void hold_rest() {
+    std::vector<bool> stays(targets_.size(), false);
+    for (std::vector<FaceIndex> bad = bad_faces(); !bad.empty(); bad = bad_faces()) {
+      for (const FaceIndex f : bad) {
+        for (const KnotIndex k : mesh_.face(f)) stays[k] = true;
+      }
+      for (bool more = true; more;) {
+        more = false;
+        for (const mesh::FeatureSegment& s : mesh_.segments()) {
+          const auto held = [&](KnotIndex k) { return stays[k]; };
+          if (std::none_of(s.knots.begin(), s.knots.end(), held)) continue;
+          for (const KnotIndex k : s.knots) {
+            more = more || !stays[k];
+            stays[k] = true;
+          }
+        }
+      }
+      for (KnotIndex k = 0; k < stays.size(); ++k) {
+        if (!stays[k] || targets_[k] == mesh_.position(k)) continue;
+        targets_[k] = mesh_.position(k);
+        ++report_.held;
+      }
+    }
+  }
+
+  KnotMesh moved() {
+    KnotMesh result = mesh_.to_mesh();
+    std::size_t at = 0;
+    for (KnotIndex k = 0; k < targets_.size(); ++k) {
+      if (!mesh_.is_knot(k)) continue;
+      if (result.knots[at].position != targets_[k]) ++report_.moved;
+      result.knots[at++].position = targets_[k];
+    }
+    return result;
+  }
+
+  EditableMesh mesh_;
+  std::vector<Vec2> targets_;
+  double least_;
+  CarryReport& report_;
+};
+
+}  // namespace
+
+KnotMesh carry_mesh(const KnotMesh& mesh, std::span<const Vec2> targets, const CarryOptions& options,
+                    CarryReport* report) {
+  CarryReport own;
+  CarryReport& told = report ? *report : own;
+  told = {};
+  const KnotMesh kept = without_leaving_segments(mesh, targets, told.segments_dropped);
+  std::vector<Vec2> goals(targets.begin(), targets.end());
+  // Knots of segments that are given up go on as free ones, those on the border stay.
+  for (KnotIndex k = 0; k < goals.size(); ++k) {
+    if (kept.knots[k].kind == KnotKind::kBorder) goals[k] = kept.knots[k].position;
+  }
+  return Carrier(kept, std::move(goals), options, told).run();
+}
+
+}  // namespace knotreel::track

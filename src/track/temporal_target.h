@@ -1,0 +1,19 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "knotreel/image/image.h"
+#include "knotreel/track/motion.h"
+
+namespace knotreel::track {
+
+/// The picture without a share of what the frame before missed, taken along the motion: the surface is asked
+/// for what changes rather than for what it cannot hold, and noise leaves it alone. Where the motion is not
+/// trusted, and on features, the picture itself.
+/// @param residual picture minus surface of the frame before, row-major, channels interleaved.
+/// @param weights  of its pixels, empty: all 1. @param share 0 to 1.
+image::Image temporal_target(const image::Image& picture, std::span<const float> residual,
+                             std::span<const float> weights, const Motion& motion, double share);
+
+}  // namespace knotreel::track

@@ -1,0 +1,310 @@
+#include "knotreel/track/tracker.h"
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <memory>
+#include <unordered_set>
+
+#include "knotreel/base/error.h"
+#include "knotreel/fit/descend.h"
+#include "knotreel/knots/refine.h"
+#include "knotreel/motion/still.h"
+#include "knotreel/vectorize/vectorize.h"
+#include "track/carried_geometry.h"
+#include "track/carried_links.h"
+#include "track/placed_pixels.h"
+#include "track/temporal_target.h"
+
+namespace knotreel::track {
+
+const char* to_string(Start start) {
+  switch (start) {
+    case Start::kFirst:
+      return "first";
+    case Start::kCut:
+      return "cut";
+    case Start::kInterval:
+      return "interval";
+    case Start::kDrift:
+      return "drift";
+    default:
+      return "warm";
+  }
+}
+
+namespace {
+
+using mesh::EditableMesh;
+using mesh::KnotIndex;
+using mesh::KnotMesh;
+
+/// Where the geometry takes the knots of a space in the image.
+std::vector<Vec2> image_positions(const spline::SplineSpace& space, std::span<const Vec2> displacement) {
+  std::vector<Vec2> points;
+  for (const mesh::Knot& k : space.mesh().knots) points.push_back(k.position);
+  if (std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; })) return points;
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(space));
+  const spline::ScatteredValues values = basis.evaluate(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = values.begin[i]; j < values.begin[i + 1]; ++j) {
+      points[i] = points[i] +
+                  values.values[j].value * displacement[space.geometry_of()[values.values[j].function]];
+    }
+  }
+  return points;
+}
+
+/// Motion of the knots, zero where moving explains the picture hardly better than staying.
+std::vector<Vec2> knot_motion(const std::vector<Vec2>& points, const Motion& motion) {
+  std::vector<Vec2> result = motion::point_motion(points, motion.flow.forward, motion.flow.consistent);
+  const std::vector<std::uint8_t> still =
+      motion::still_points(points, result, *motion.before, *motion.now, motion.flow.forward);
+  for (std::size_t i = 0; i < result.size(); ++i) {
+    if (still[i]) result[i] = {};
+  }
+  return result;
+}
+
+double share_alive(const KnotMesh& before, const KnotMesh& now) {
+  std::unordered_set<std::uint32_t> ids;
+  for (const mesh::Knot& k : now.knots) ids.insert(static_cast<std::uint32_t>(k.id));
+  std::size_t alive = 0;
+  for (const mesh::Knot& k : before.knots) alive += ids.count(static_cast<std::uint32_t>(k.id));
+  return static_cast<double>(alive) / static_cast<double>(before.knots.size());
+}
+
+struct Quality {
+  double mec = 0;
+  double psnr = 0;
+};
+
+Quality quality_of(const std::vector<float>& residual, std::span<const float> weights, int channel_count) {
+  const auto channels = static_cast<std::size_t>(channel_count);
+  double length = 0;
+  double squares = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < residual.size() / channels; ++i) {
+    if (!weights.empty() && weights[i] < 1) continue;
+    double squared = 0;
+    for (std::size_t c = 0; c < channels; ++c) {
+      const double d = static_cast<double>(residual[i * channels + c]);
+      squared += d * d;
+    }
+    length += std::sqrt(squared);
+    squares += squared;
+    ++count;
+  }
+  if (count == 0) return {};
+  const double n = static_cast<double>(count);
+  return {length / n, 10 * std::log10(255.0 * 255.0 * n * static_cast<double>(channels) / squares)};
+}
+
+}  // namespace
+
+class Tracker::Impl {
+ public:
+  Impl(const vectorize::Options& cold, const TrackOptions& options) : cold_(cold), options_(options) {
+    if (options.keyframe_interval < 1) {
+      throw Error(ErrorKind::kInvalidArgument, "a group has at least one frame");
+    }
+  }
+
+  document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport& report) {
+    report_ = &report;
+    report = {};
+    clock_ = std::chrono::steady_clock::now();
+    const Start start = start_of(motion);
+    if (start == Start::kWarm && make_warm(picture, *motion)) {
+      report.start = Start::kWarm;
+    } else {
+      report.start = start == Start::kWarm ? Start::kDrift : start;
+      make_cold(picture);
+    }
+    report.knots = space_->mesh().knots.size();
+    report.control_points = space_->function_count();
+    return model(picture, report.start != Start::kWarm);
+  }
+
+ private:
+  Start start_of(const Motion* motion) const {
+    if (!space_) return Start::kFirst;
+    if (!options_.warm_start) return Start::kInterval;
+    if (!motion || motion::is_cut(motion->change, {.threshold = options_.scene_threshold})) return Start::kCut;
+    if (group_length_ >= options_.keyframe_interval) return Start::kInterval;
+    return Start::kWarm;
+  }
+
+  void lap(const char* stage) {
+    const auto now = std::chrono::steady_clock::now();
+    report_->milliseconds.emplace_back(stage,
+                                       std::chrono::duration<double, std::milli>(now - clock_).count());
+    clock_ = now;
+  }
+
+  // -- cold frames
+
+  void make_cold(const image::Image& picture) {
+    vectorize::Vectorization cold = vectorize::vectorize_picture(picture, cold_);
+    space_ = cold.model.space;
+    displacement_ = std::move(cold.model.displacement);
+    control_ = std::move(cold.model.colour);
+    lap("cold");
+    const spline::Basis basis(space_);
+    PlacedPixels placed = place_pixels(basis, displacement_, picture);
+    const fit::PixelValues values(basis, picture.width, picture.height, placed.places);
+    keep_residual(values, picture);
+    weights_ = std::move(placed.weights);
+    const Quality quality = quality_of(residual_, weights_, picture.channels);
+    report_->mec = quality.mec;
+    report_->psnr = group_psnr_ = quality.psnr;
+    group_functions_ = space_->function_count();
+    group_length_ = 1;
+    next_id_ = EditableMesh(space_->mesh()).next_id();
+    lap("measure");
+  }
+
+  /// Picture minus surface, with the control points as they are.
+  void keep_residual(const fit::PixelValues& values, const image::Image& picture) {
+    std::vector<double> surface(picture.samples.size());
+    fit::surface_at_pixels(values, control_, picture.channels, surface);
+    residual_.resize(surface.size());
+    for (std::size_t i = 0; i < surface.size(); ++i) {
+      residual_[i] = static_cast<float>(static_cast<double>(picture.samples[i]) - surface[i]);
+    }
+  }
+
+  // -- warm frames
+
+  /// @return whether the carried model is good enough; if not, the state is as before but for the colours.
+  bool make_warm(const image::Image& picture, const Motion& motion) {
+    const std::vector<Vec2> points = image_positions(*space_, displacement_);
+    const std::vector<Vec2> targets = knot_targets(space_->mesh(), knot_motion(points, motion));
+    const KnotMesh before = space_->mesh();
+    KnotMesh carried = carry_mesh(before, targets, options_.carry, &report_->carry);
+    lap("carry");
+    target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
+    image::Image wanted = temporal_target(picture, residual_, weights_, motion, options_.temporal_weight);
+    lap("target");
+    take_over(std::move(carried));
+    fit(picture, wanted);
+    if (refill()) fit(picture, wanted);
+    if (options_.descent_steps > 0) descend(picture, wanted);
+    const Quality quality = quality_of(residual_, weights_, picture.channels);
+    report_->mec = quality.mec;
+    report_->psnr = quality.psnr;
+    report_->survival = share_alive(before, space_->mesh());
+    ++group_length_;
+    return quality.psnr >= group_psnr_ - options_.drift;
+  }
+
+  /// The space over a mesh that comes from the one there is.
+  void take_over(KnotMesh mesh) {
+    const LinkMemory links(*space_);
+    auto space = std::make_shared<const spline::SplineSpace>(
+        links.space_over(std::move(mesh), cold_.degree, *target_));
+    displacement_ = carried_displacement(*space_, displacement_, *space);
+    space_ = std::move(space);
+    lap("space");
+  }
+
+  void fit(const image::Image& picture, const image::Image& wanted) {
+    const spline::Basis basis(space_);
+    const PlacedPixels placed = place_pixels(basis, displacement_, wanted);
+    const fit::PixelValues values(basis, picture.width, picture.height, placed.places);
+    lap("places");
+    fit::ColourFit colours = fit::fit_colours(values, placed.view(), cold_.colour);
+    control_ = std::move(colours.control);
+    weights_ = placed.weights;
+    places_ = placed.places;
+    keep_residual(values, picture);
+    lap("colours");
+  }
+
+  /// Puts knots where the error is, as many as got lost.
+  bool refill() {
+    const double functions = static_cast<double>(space_->function_count());
+    const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
+    const double missing = (static_cast<double>(group_functions_) - functions) / per_knot;
+    if (missing < 4) return false;  // a few are not worth another fit
+    EditableMesh mesh(space_->mesh(), next_id_);
+    knots::RefineOptions refine;
+    refine.max_knots = static_cast<std::size_t>(missing);
+    refine.min_distance = options_.carry.min_distance;
+    const auto inserted = knots::refine_knots(mesh, squared_errors(), places_, target_->image().width,
+                                              target_->image().height, refine);
+    next_id_ = mesh.next_id();
+    report_->inserted = inserted.size();
+    lap("insert");
+    if (inserted.empty()) return false;
+    take_over(mesh.to_mesh());
+    return true;
+  }
+
+  std::vector<float> squared_errors() const {
+    const auto channels = static_cast<std::size_t>(target_->channels());
+    std::vector<float> squared(residual_.size() / channels, 0);
+    for (std::size_t i = 0; i < squared.size(); ++i) {
+      if (!weights_.empty() && weights_[i] < 1) continue;
+      for (std::size_t c = 0; c < channels; ++c) {
+        squared[i] += residual_[i * channels + c] * residual_[i * channels + c];
+      }
+    }
+    return squared;
+  }
+
+  void descend(const image::Image& picture, const image::Image& wanted) {
+    const spline::Basis basis(space_);
+    const PlacedPixels placed = place_pixels(basis, displacement_, wanted);
+    fit::ColourSurface surface{space_, {.control = control_, .residual = residual_}};
+    surface.fit = fit::fit_colours(basis, placed.view(), cold_.colour);
+    fit::DescentOptions descent;
+    descent.steps = options_.descent_steps;
+    descent.colour = cold_.colour;
+    surface = fit::descend(std::move(surface), placed.view(), descent);
+    space_ = surface.space;
+    fit(picture, wanted);
+    lap("descend");
+  }
+
+  document::FrameModel model(const image::Image& picture, bool keyframe) const {
+    document::FrameModel model;
+    model.space = space_;
+    model.displacement = displacement_;
+    model.channels = picture.channels;
+    model.colour = control_;
+    model.keyframe = keyframe;
+    return model;
+  }
+
+  vectorize::Options cold_;
+  TrackOptions options_;
+  FrameReport* report_ = nullptr;
+  std::chrono::steady_clock::time_point clock_;
+
+  std::shared_ptr<const spline::SplineSpace> space_;
+  std::vector<Vec2> displacement_;
+  std::vector<double> control_;
+  std::vector<float> residual_;  ///< picture minus surface
+  std::vector<float> weights_;   ///< of the pixels; empty: all 1
+  std::vector<Vec2> places_;     ///< of the pixels; empty: the centres
+  std::unique_ptr<knots::Target> target_;
+  std::uint32_t next_id_ = 0;
+
+  int group_length_ = 0;
+  double group_psnr_ = 0;
+  std::size_t group_functions_ = 0;
+};
+
+Tracker::Tracker(const vectorize::Options& cold, const TrackOptions& options)
+    : impl_(std::make_unique<Impl>(cold, options)) {}
+Tracker::~Tracker() = default;
+Tracker::Tracker(Tracker&&) noexcept = default;
+Tracker& Tracker::operator=(Tracker&&) noexcept = default;
+
+document::FrameModel Tracker::next(const image::Image& picture, const Motion* motion, FrameReport* report) {
+  FrameReport own;
+  return impl_->next(picture, motion, report ? *report : own);
+}
+
+}  // namespace knotreel::track
