@@ -1,7 +1,7 @@
 find_package(Threads REQUIRED)
 find_package(TBB REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
-find_package(OpenCV REQUIRED COMPONENTS core imgcodecs)
+find_package(OpenCV REQUIRED COMPONENTS core imgcodecs video)
 find_package(PNG REQUIRED)
 find_package(ZLIB REQUIRED)
 find_package(CGAL REQUIRED)

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "knotreel/base/vec2.h"
+#include "knotreel/image/image.h"
+#include "knotreel/motion/luma.h"
+
+/// What moves where between two pictures. Points and pixels are those of knotreel/base/vec2.h: the centre of
+/// pixel (i, j) is at (i + 0.5, j + 0.5).
+namespace knotreel::motion {
+
+/// A displacement in pixels for every pixel of a picture: what is seen at p there is at p + flow(p) in the
+/// other picture.
+struct Flow {
+  int width = 0;
+  int height = 0;
+  std::vector<float> xy;  ///< row-major; dx, dy of one pixel after those of the other
+
+  /// Displacement at any finite point, bilinear between pixel centres; beyond the outermost centres it is that
+  /// of the nearest place within. The flow must not be empty.
+  Vec2 at(Vec2 p) const;
+};
+
+struct FlowOptions {
+  enum class Effort {
+    kUltrafast,  ///< patches only, on a quarter of the size
+    kFast,       ///< and a variational refinement there
+    kMedium,     ///< on half of the size, denser patches: several times the time of kFast
+  };
+  Effort effort = Effort::kFast;
+};
+
+/// Where every pixel of `from` has gone in `to`: dense inverse search [Kroeger16] on the luma.
+/// Sensible up to displacements of about an eighth of the smaller side; flat places follow what is around.
+/// Both pictures have the same size; any size will do (below 32 pixels they are continued by their border).
+/// @throws Error{kInvalidArgument} if the sizes differ or a picture is empty.
+/// Runs on the calling thread, so the result does not depend on the number of threads; it may be called from
+/// several at once. While it runs, OpenCV is kept to one thread in the whole process.
+Flow find_flow(const Luma& from, const Luma& to, const FlowOptions& options = {});
+Flow find_flow(const image::Image& from, const image::Image& to, const FlowOptions& options = {});
+
+/// Which pixels of `forward` are found again: there and back, |forward + backward(there)| is at most
+/// least + share * |forward| (pixels). What leaves the picture, or is hidden in the other one, is not.
+/// @param backward flow from the other picture to that of `forward`, of the same size.
+/// @return 1 or 0 per pixel, row-major.
+/// @throws Error{kInvalidArgument} if the sizes differ.
+/// All threads are used; the result does not depend on their number.
+std::vector<std::uint8_t> consistent(const Flow& forward, const Flow& backward, double least = 1.0,
+                                     double share = 0.05);
+
+/// Flow there and back, and which pixels of the first picture are found again.
+struct FlowPair {
+  Flow forward;
+  Flow backward;
+  std::vector<std::uint8_t> consistent;
+};
+
+/// The three at once: both directions run at the same time if two threads are allowed.
+/// @throws as find_flow().
+FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& options = {});
+
+/// Largest distance in pixels, along either axis, at which point_motion() looks for pixels to learn from.
+inline constexpr int kMotionReach = 32;
+
+/// Displacements of points of the picture of `forward`. In a consistent pixel: the flow, bilinear between the
+/// consistent ones of the four pixels around. Elsewhere: the median (of x and of y) of the consistent flow
+/// vectors in a window around, which doubles until there are a few of them; zero if there are none within
+/// kMotionReach.
+/// @param points finite; points outside the picture have the motion of the nearest place within.
+/// @param consistent as from consistent().
+/// @throws Error{kInvalidArgument} if `consistent` has not one value per pixel of a flow that is not empty.
+/// All threads are used; the result does not depend on their number.
+std::vector<Vec2> point_motion(std::span<const Vec2> points, const Flow& forward,
+                               const std::vector<std::uint8_t>& consistent);
+
+}  // namespace knotreel::motion

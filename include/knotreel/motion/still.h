@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "knotreel/base/vec2.h"
+#include "knotreel/motion/flow.h"
+#include "knotreel/motion/luma.h"
+
+namespace knotreel::motion {
+
+/// When a place counts as still although the flow moves it.
+struct StillOptions {
+  int radius = 4;      ///< of the window, in pixels: (2 radius + 1)^2 of them, fewer at the border
+  double ratio = 1.2;  ///< standing still may leave so many times the mean squared residual of moving ...
+  double slack = 6.0;  ///< ... and so much more, in squared levels
+};
+
+/// The dead zone of motion: tells places that had better stay where they are, since moving them hardly explains
+/// the next picture better. Costs two passes over the pictures once and the same few operations for any point.
+class StillTest {
+ public:
+  /// @param from, to, flow pictures of one size, and the flow from the first to the second.
+  /// @throws Error{kInvalidArgument} if sizes differ, a picture is empty or the radius is negative.
+  StillTest(const Luma& from, const Luma& to, const Flow& flow, const StillOptions& options = {});
+
+  /// Whether the pictures around a point are explained about as well by no motion as by the flow.
+  /// @param p finite; outside the picture the nearest pixel counts. Thread safe.
+  bool still(Vec2 p) const;
+
+ private:
+  StillOptions options_;
+  int width_;
+  int height_;
+  std::vector<std::uint64_t> standing_;  // sums over all pixels above and left, (width + 1) x (height + 1)
+  std::vector<std::uint64_t> moving_;
+};
+
+/// For every point 1 if it is still: no motion at all, or StillTest says so; else 0.
+/// @param motions displacements of the points, as from point_motion().
+/// @throws Error{kInvalidArgument} as StillTest, or if points and motions differ in number.
+std::vector<std::uint8_t> still_points(std::span<const Vec2> points, std::span<const Vec2> motions,
+                                       const Luma& from, const Luma& to, const Flow& flow,
+                                       const StillOptions& options = {});
+
+}  // namespace knotreel::motion

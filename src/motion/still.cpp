@@ -1,0 +1,70 @@
+#include "knotreel/motion/still.h"
+
+#include <algorithm>
+
+#include "knotreel/base/error.h"
+#include "knotreel/motion/warp.h"
+#include "motion/check_sizes.h"
+
+namespace knotreel::motion {
+namespace {
+
+/// Sums of squared differences over all pixels above and to the left: entry (x, y) of (width + 1) x
+/// (height + 1) is the sum over the pixels of the first x columns and y rows.
+std::vector<std::uint64_t> squared_difference_sums(const Luma& a, const Luma& b) {
+  const auto width = std::size_t(a.width);
+  const std::size_t stride = width + 1;
+  std::vector<std::uint64_t> sums(stride * (std::size_t(a.height) + 1));
+  for (std::size_t y = 0; y < std::size_t(a.height); ++y) {
+    std::uint64_t row = 0;
+    for (std::size_t x = 0; x < width; ++x) {
+      const int difference = int{a.v[y * width + x]} - int{b.v[y * width + x]};
+      row += std::uint64_t(difference * difference);
+      sums[(y + 1) * stride + x + 1] = sums[y * stride + x + 1] + row;
+    }
+  }
+  return sums;
+}
+
+}  // namespace
+
+StillTest::StillTest(const Luma& from, const Luma& to, const Flow& flow, const StillOptions& options)
+    : options_(options), width_(from.width), height_(from.height) {
+  if (options.radius < 0) throw Error(ErrorKind::kInvalidArgument, "the radius of a window is negative");
+  check_sizes(from, to);
+  standing_ = squared_difference_sums(from, to);
+  moving_ = squared_difference_sums(from, warp(to, flow));
+}
+
+bool StillTest::still(Vec2 p) const {
+  const int x = int(std::clamp(p.x, 0.0, double(width_ - 1)));
+  const int y = int(std::clamp(p.y, 0.0, double(height_ - 1)));
+  const auto left = std::size_t(std::max(0, x - options_.radius));
+  const auto right = std::size_t(std::min(width_, x + options_.radius + 1));
+  const std::size_t stride = std::size_t(width_) + 1;
+  const std::size_t top = std::size_t(std::max(0, y - options_.radius)) * stride;
+  const std::size_t bottom = std::size_t(std::min(height_, y + options_.radius + 1)) * stride;
+  const double pixels = double((right - left) * ((bottom - top) / stride));
+  const auto mean = [&](const std::vector<std::uint64_t>& sums) {
+    const std::uint64_t sum =
+        sums[bottom + right] + sums[top + left] - sums[bottom + left] - sums[top + right];
+    return double(sum) / pixels;
+  };
+  return mean(standing_) <= options_.ratio * mean(moving_) + options_.slack;
+}
+
+std::vector<std::uint8_t> still_points(std::span<const Vec2> points, std::span<const Vec2> motions,
+                                       const Luma& from, const Luma& to, const Flow& flow,
+                                       const StillOptions& options) {
+  if (points.size() != motions.size()) {
+    throw Error(ErrorKind::kInvalidArgument, "points and motions differ in number");
+  }
+  const StillTest test(from, to, flow, options);
+  std::vector<std::uint8_t> still(points.size());
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    still[i] = motions[i] == Vec2{} || test.still(points[i]) ? 1 : 0;
+  }
+  return still;
+}
+
+}  // namespace knotreel::motion
