@@ -128,14 +128,26 @@ Moments Target::moments(const std::array<Vec2, 3>& triangle) const {
                       image_.channels);
 }
 
+Moments Moments::operator+(const Moments& m) const {
+  Moments sum{w + m.w, x + m.x, y + m.y, xx + m.xx, xy + m.xy, yy + m.yy, squares + m.squares, c, xc, yc};
+  for (std::size_t i = 0; i < 4; ++i) {
+    sum.c[i] += m.c[i];
+    sum.xc[i] += m.xc[i];
+    sum.yc[i] += m.yc[i];
+  }
+  return sum;
+}
+
 LinearFit Target::fit(const std::array<Vec2, 3>& triangle) const {
-  const Moments m = moments(triangle);
+  LinearFit result = fit(moments(triangle));
+  if (result.weight <= 0) result.centre = (1.0 / 3) * (triangle[0] + triangle[1] + triangle[2]);
+  return result;
+}
+
+LinearFit Target::fit(const Moments& m) const {
   LinearFit fit;
   fit.weight = m.w;
-  if (m.w <= 0) {
-    fit.centre = (1.0 / 3) * (triangle[0] + triangle[1] + triangle[2]);
-    return fit;
-  }
+  if (m.w <= 0) return fit;
   fit.centre = {m.x / m.w, m.y / m.w};
   const double xx = m.xx - fit.centre.x * m.x + kSlopeRidge;
   const double xy = m.xy - fit.centre.x * m.y;

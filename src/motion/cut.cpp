@@ -13,18 +13,19 @@
 namespace knotreel::motion {
 namespace {
 
-/// Side of the blocks whose texture is compared: texture is what is left when the mean of a block is taken off.
+/// Side of the blocks whose texture is compared: texture is what is left when the mean of a block is taken
+/// off.
 constexpr std::size_t kBlock = 16;
 
-/// Variance, in squared levels, that counts as equal texture in every block, so that flat pictures are alike and
-/// noise of a few levels says little.
+/// Variance, in squared levels, that counts as equal texture in every block, so that flat pictures are alike
+/// and noise of a few levels says little.
 constexpr double kFlat = 8;
 
 /// Over the blocks of one band of rows.
 struct BandSums {
-  double difference = 0;   ///< absolute, over pixels
-  double covariance = 0;   ///< of the two pictures, times pixels, over blocks
-  double contrast = 0;     ///< product of the standard deviations, times pixels, over blocks
+  double difference = 0;  ///< absolute, over pixels
+  double covariance = 0;  ///< of the two pictures, times pixels, over blocks
+  double contrast = 0;    ///< product of the standard deviations, times pixels, over blocks
 };
 
 /// First and second moments of two pictures in a block; all are exact.
@@ -103,7 +104,8 @@ CutMeasure measure_change(const image::Image& before, const image::Image& now, c
   CutMeasure measure;
   measure.histogram = distance(histogram_of(before), histogram_of(now));
   measure.residual = sums.difference / pixels;
-  measure.unmatched = 1 - double(std::accumulate(consistent.begin(), consistent.end(), std::size_t{0})) / pixels;
+  measure.unmatched =
+      1 - double(std::accumulate(consistent.begin(), consistent.end(), std::size_t{0})) / pixels;
   measure.unlike = 1 - std::clamp(sums.covariance / sums.contrast, 0.0, 1.0);
   return measure;
 }

@@ -36,7 +36,8 @@ struct Mean {
 std::vector<Vec2> carried_displacement(const spline::SplineSpace& from, std::span<const Vec2> displacement,
                                        const spline::SplineSpace& to) {
   std::vector<Vec2> result(to.geometry_count());
-  if (std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; })) return result;
+  if (std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; }))
+    return result;
   std::map<Name, Vec2> known;
   std::unordered_map<std::uint32_t, Mean> by_knot;
   const std::vector<Name> old_names = group_names(from);

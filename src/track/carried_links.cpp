@@ -58,8 +58,7 @@ LinkMemory::LinkMemory(const spline::SplineSpace& space) {
   const std::vector<std::uint32_t> ids = corner_ids(space.mesh());
   std::span<const std::uint16_t> codes = space.link_codes();
   const spline::SplineSpace again(
-      space.mesh(), space.degree(),
-      [&](const spline::LinkPolygon& polygon, std::vector<std::uint16_t>& out) {
+      space.mesh(), space.degree(), [&](const spline::LinkPolygon& polygon, std::vector<std::uint16_t>& out) {
         const std::size_t n = polygon.corners.size();
         std::vector<spline::PolygonTriangle> triangles;
         const std::size_t used = spline::decode_triangulation(n, codes, triangles).value();

@@ -21,7 +21,8 @@ class LinkMemory {
   spline::SplineSpace space_over(mesh::KnotMesh mesh, int degree, const knots::Target& target) const;
 
  private:
-  using Name = std::vector<std::uint32_t>;  ///< ids: of the vertex of the link, then of the ring from its least
+  using Name =
+      std::vector<std::uint32_t>;  ///< ids: of the vertex of the link, then of the ring from its least
   std::map<Name, std::vector<spline::PolygonTriangle>> triangles_;
 };
 

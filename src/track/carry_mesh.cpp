@@ -81,8 +81,8 @@ class Carrier {
   bool is_bad(const mesh::Face& v) const {
     const double after = height(v, true);
     if (after >= least_) return false;
-    const bool still = std::all_of(v.begin(), v.end(),
-                                   [&](KnotIndex k) { return targets_[k] == mesh_.position(k); });
+    const bool still =
+        std::all_of(v.begin(), v.end(), [&](KnotIndex k) { return targets_[k] == mesh_.position(k); });
     return !still && (after <= 0.02 || after < 0.999 * height(v, false));
   }
   bool is_bad(FaceIndex f) const { return mesh_.is_face(f) && is_bad(mesh_.face(f)); }
@@ -98,8 +98,7 @@ class Carrier {
   void remove_leaving() {
     for (KnotIndex k = 0; k < targets_.size(); ++k) {
       const Vec2 t = targets_[k];
-      const bool inside =
-          t.x >= 1 && t.y >= 1 && t.x <= mesh_.width() - 1 && t.y <= mesh_.height() - 1;
+      const bool inside = t.x >= 1 && t.y >= 1 && t.x <= mesh_.width() - 1 && t.y <= mesh_.height() - 1;
       if (mesh_.knot(k).kind != KnotKind::kFree || inside) continue;
       if (mesh_.remove(k)) {
         ++report_.removed;

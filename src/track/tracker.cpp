@@ -10,6 +10,7 @@
 #include "knotreel/fit/descend.h"
 #include "knotreel/knots/refine.h"
 #include "knotreel/motion/still.h"
+#include "knotreel/track/idle_knots.h"
 #include "knotreel/vectorize/vectorize.h"
 #include "track/carried_geometry.h"
 #include "track/carried_links.h"
@@ -43,13 +44,14 @@ using mesh::KnotMesh;
 std::vector<Vec2> image_positions(const spline::SplineSpace& space, std::span<const Vec2> displacement) {
   std::vector<Vec2> points;
   for (const mesh::Knot& k : space.mesh().knots) points.push_back(k.position);
-  if (std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; })) return points;
+  if (std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; }))
+    return points;
   const spline::Basis basis(std::make_shared<const spline::SplineSpace>(space));
   const spline::ScatteredValues values = basis.evaluate(points);
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = values.begin[i]; j < values.begin[i + 1]; ++j) {
-      points[i] = points[i] +
-                  values.values[j].value * displacement[space.geometry_of()[values.values[j].function]];
+      points[i] =
+          points[i] + values.values[j].value * displacement[space.geometry_of()[values.values[j].function]];
     }
   }
   return points;
@@ -130,7 +132,8 @@ class Tracker::Impl {
   Start start_of(const Motion* motion) const {
     if (!space_) return Start::kFirst;
     if (!options_.warm_start) return Start::kInterval;
-    if (!motion || motion::is_cut(motion->change, {.threshold = options_.scene_threshold})) return Start::kCut;
+    if (!motion || motion::is_cut(motion->change, {.threshold = options_.scene_threshold}))
+      return Start::kCut;
     if (group_length_ >= options_.keyframe_interval) return Start::kInterval;
     return Start::kWarm;
   }
@@ -221,22 +224,26 @@ class Tracker::Impl {
     lap("colours");
   }
 
-  /// Puts knots where the error is, as many as got lost.
+  /// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.
   bool refill() {
     const double functions = static_cast<double>(space_->function_count());
     const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
     const double missing = (static_cast<double>(group_functions_) - functions) / per_knot;
-    if (missing < 4) return false;  // a few are not worth another fit
     EditableMesh mesh(space_->mesh(), next_id_);
+    const std::vector<float> errors = squared_errors();
+    const std::size_t removed = remove_idle_knots(mesh, *target_, errors, options_.swap);
+    report_->swapped = removed;
+    const double wanted = missing + static_cast<double>(removed);
+    if (wanted < 4 && removed == 0) return false;  // a few are not worth another fit
     knots::RefineOptions refine;
-    refine.max_knots = static_cast<std::size_t>(missing);
+    refine.max_knots = static_cast<std::size_t>(std::max(0.0, wanted));
     refine.min_distance = options_.carry.min_distance;
-    const auto inserted = knots::refine_knots(mesh, squared_errors(), places_, target_->image().width,
-                                              target_->image().height, refine);
+    const auto inserted =
+        knots::refine_knots(mesh, errors, places_, target_->image().width, target_->image().height, refine);
     next_id_ = mesh.next_id();
     report_->inserted = inserted.size();
     lap("insert");
-    if (inserted.empty()) return false;
+    if (inserted.empty() && removed == 0) return false;
     take_over(mesh.to_mesh());
     return true;
   }

@@ -8,12 +8,12 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/fit/descend.h"
+#include "knotreel/fit/edge_colours.h"
 #include "knotreel/knots/link_choice.h"
 #include "knotreel/knots/place.h"
 #include "knotreel/knots/refine.h"
 #include "knotreel/mesh/triangulate.h"
 #include "knotreel/param/parametrized_image.h"
-#include "knotreel/fit/edge_colours.h"
 #include "vectorize/half_rows.h"
 #include "vectorize/initial_mesh.h"
 

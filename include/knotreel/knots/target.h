@@ -17,6 +17,8 @@ namespace knotreel::knots {
 struct Moments {
   double w = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0, squares = 0;
   std::array<double, 4> c{}, xc{}, yc{};
+
+  Moments operator+(const Moments& m) const;
 };
 
 /// The best linear approximation of the picture on a region, in the least-squares sense.
@@ -51,6 +53,8 @@ class Target {
 
   /// The same, summed up to the best linear approximation (paper Eq. 7).
   LinearFit fit(const std::array<Vec2, 3>& triangle) const;
+  /// The same of sums, such as those over several triangles.
+  LinearFit fit(const Moments& moments) const;
   /// Only its error.
   double error(const std::array<Vec2, 3>& triangle) const;
 

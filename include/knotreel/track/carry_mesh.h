@@ -21,8 +21,8 @@ struct CarryReport {
   std::size_t segments_dropped = 0;  ///< feature segments that left the domain
 };
 
-/// Where the knots of a mesh should go, from where the picture goes at each of them: domain corners and simple
-/// border knots stay, other knots on a side slide along it, and knots inside segments keep their place
+/// Where the knots of a mesh should go, from where the picture goes at each of them: domain corners and
+/// simple border knots stay, other knots on a side slide along it, and knots inside segments keep their place
 /// between the ends.
 /// @param motion by knot, pixels.
 std::vector<Vec2> knot_targets(const mesh::KnotMesh& mesh, std::span<const Vec2> motion);

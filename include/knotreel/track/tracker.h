@@ -9,19 +9,21 @@
 #include "knotreel/document/frame_model.h"
 #include "knotreel/image/image.h"
 #include "knotreel/track/carry_mesh.h"
+#include "knotreel/track/idle_knots.h"
 #include "knotreel/track/motion.h"
 #include "knotreel/vectorize/options.h"
 
 namespace knotreel::track {
 
 struct TrackOptions {
-  bool warm_start = true;             ///< false: every frame is made from its picture alone
-  double temporal_weight = 0.5;       ///< of what the frame before missed, 0 to 1: keeps noise from flickering
-  int keyframe_interval = 250;        ///< most frames of a group, 1 or more
-  double scene_threshold = 0.4;       ///< as motion::CutOptions::threshold
-  double drift = 1.0;                 ///< dB below the start of the group at which a new one starts
-  int descent_steps = 0;              ///< of each warm frame, on the true residual
+  bool warm_start = true;        ///< false: every frame is made from its picture alone
+  double temporal_weight = 0.5;  ///< of what the frame before missed, 0 to 1: keeps noise from flickering
+  int keyframe_interval = 250;   ///< most frames of a group, 1 or more
+  double scene_threshold = 0.4;  ///< as motion::CutOptions::threshold
+  double drift = 1.0;            ///< dB below the start of the group at which a new one starts
+  int descent_steps = 0;         ///< of each warm frame, on the true residual
   CarryOptions carry{};
+  SwapOptions swap{};
 };
 
 /// Why a frame is as it is.
@@ -43,7 +45,8 @@ struct FrameReport {
   double psnr = 0;      ///< of the fit, dB
   double survival = 0;  ///< share of the knots of the frame before that are in this one, 0 to 1
   CarryReport carry;
-  std::size_t inserted = 0;
+  std::size_t swapped = 0;                                   ///< knots taken away where they were idle
+  std::size_t inserted = 0;                                  ///< for those that were lost and swapped
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };
 
@@ -60,7 +63,8 @@ class Tracker {
 
   /// @param picture of the same size and channels as those before.
   /// @param motion  from the picture before; null for the first frame and after a gap: a cold start.
-  /// @return the model, keyframe if it does not depend on the one before; frame and pts are left to the caller.
+  /// @return the model, keyframe if it does not depend on the one before; frame and pts are left to the
+  /// caller.
   /// @throws Error{kInvalidArgument} as vectorize_picture(), and if sizes differ.
   document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport* report = nullptr);
 

@@ -1,0 +1,89 @@
+#include "knotreel/track/idle_knots.h"
+
+#include <algorithm>
+#include <vector>
+
+namespace knotreel::track {
+
+using mesh::EditableMesh;
+using mesh::FaceIndex;
+using mesh::KnotIndex;
+
+namespace {
+
+/// Sum of the errors in each face.
+std::vector<double> face_errors(const EditableMesh& mesh, std::span<const float> squared_errors, int width,
+                                int height) {
+  std::vector<double> sums(mesh.face_slots(), 0);
+  for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.is_face(f)) continue;
+    const knots::TriangleRows rows(mesh.triangle(f), width, height);
+    for (int y = rows.first(); y < rows.last(); ++y) {
+      int begin = 0;
+      int end = 0;
+      rows.columns(y, begin, end);
+      const float* row = squared_errors.data() + std::size_t(y) * std::size_t(width);
+      for (int x = begin; x < end; ++x) sums[f] += static_cast<double>(row[x]);
+    }
+  }
+  return sums;
+}
+
+struct Candidate {
+  double cost;
+  KnotIndex knot;
+};
+
+/// Free knots by what they keep away, the idlest first.
+std::vector<Candidate> by_cost(const EditableMesh& mesh, const knots::Target& target) {
+  std::vector<double> errors(mesh.face_slots(), 0);
+  std::vector<knots::Moments> moments(mesh.face_slots());
+  for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.is_face(f)) continue;
+    moments[f] = target.moments(mesh.triangle(f));
+    errors[f] = target.fit(moments[f]).error;
+  }
+  std::vector<Candidate> candidates;
+  std::vector<FaceIndex> ring;
+  for (KnotIndex k = 0; k < mesh.knot_slots(); ++k) {
+    if (!mesh.is_knot(k) || mesh.knot(k).kind != mesh::KnotKind::kFree) continue;
+    mesh.faces_around(k, ring);
+    knots::Moments all;
+    double apart = 0;
+    for (const FaceIndex f : ring) {
+      all = all + moments[f];
+      apart += errors[f];
+    }
+    candidates.push_back({std::max(0.0, target.fit(all).error - apart), k});
+  }
+  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return a.cost != b.cost ? a.cost < b.cost : a.knot < b.knot;
+  });
+  return candidates;
+}
+
+}  // namespace
+
+std::size_t remove_idle_knots(EditableMesh& mesh, const knots::Target& target,
+                              std::span<const float> squared_errors, const SwapOptions& options) {
+  std::vector<double> gains = face_errors(mesh, squared_errors, target.image().width, target.image().height);
+  std::sort(gains.rbegin(), gains.rend());
+  const std::vector<Candidate> candidates = by_cost(mesh, target);
+  const auto most = static_cast<std::size_t>(options.share * static_cast<double>(mesh.knot_count()));
+  std::vector<bool> touched(mesh.knot_slots(), false);  // costs around removed knots are out of date
+  std::vector<FaceIndex> ring;
+  std::size_t removed = 0;
+  for (const Candidate& c : candidates) {
+    if (removed == most || removed == gains.size()) break;
+    if (0.5 * gains[removed] < options.ratio * c.cost) break;
+    if (touched[c.knot]) continue;
+    mesh.faces_around(c.knot, ring);
+    for (const FaceIndex f : ring) {
+      for (const KnotIndex k : mesh.face(f)) touched[k] = true;
+    }
+    if (mesh.remove(c.knot)) ++removed;
+  }
+  return removed;
+}
+
+}  // namespace knotreel::track
