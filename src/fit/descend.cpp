@@ -142,6 +142,10 @@ class Steps {
 
 }  // namespace
 
+void limit_moves(const spline::SplineSpace& space, double min_distance, std::vector<Vec2>& moves) {
+  Guards(space, min_distance).limit(space.mesh(), moves);
+}
+
 ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options) {
   ColourSurface best = start;
   ColourSurface at = std::move(start);
@@ -151,7 +155,7 @@ ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOp
     if (options.on_step) options.on_step();
     const KnotMesh& mesh = at.space->mesh();
     std::vector<Vec2> moves = steps.moves(knot_gradient(*basis, pixels, at.fit), shortest_edges(mesh));
-    Guards(*at.space, options.min_distance).limit(mesh, moves);
+    limit_moves(*at.space, options.min_distance, moves);
     at.space = std::make_shared<const spline::SplineSpace>(at.space->moved(moved_positions(mesh, moves)));
     basis = std::make_unique<const spline::Basis>(at.space);
     at.fit = fit_colours(*basis, pixels, options.colour);

@@ -8,6 +8,7 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/fit/descend.h"
+#include "knotreel/fit/knot_gradient.h"
 #include "knotreel/knots/refine.h"
 #include "knotreel/motion/still.h"
 #include "knotreel/track/idle_knots.h"
@@ -15,6 +16,7 @@
 #include "track/carried_geometry.h"
 #include "track/carried_links.h"
 #include "track/placed_pixels.h"
+#include "track/settle.h"
 #include "track/temporal_target.h"
 
 namespace knotreel::track {
@@ -40,18 +42,18 @@ using mesh::EditableMesh;
 using mesh::KnotIndex;
 using mesh::KnotMesh;
 
-/// Where the geometry takes the knots of a space in the image.
-std::vector<Vec2> image_positions(const spline::SplineSpace& space, std::span<const Vec2> displacement) {
+/// Where the geometry of a surface takes the knots of a mesh in the image.
+std::vector<Vec2> image_positions(const spline::Basis& basis, std::span<const Vec2> displacement,
+                                  const KnotMesh& mesh) {
   std::vector<Vec2> points;
-  for (const mesh::Knot& k : space.mesh().knots) points.push_back(k.position);
+  for (const mesh::Knot& k : mesh.knots) points.push_back(k.position);
   if (std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; }))
     return points;
-  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(space));
   const spline::ScatteredValues values = basis.evaluate(points);
   for (std::size_t i = 0; i < points.size(); ++i) {
     for (std::size_t j = values.begin[i]; j < values.begin[i + 1]; ++j) {
-      points[i] =
-          points[i] + values.values[j].value * displacement[space.geometry_of()[values.values[j].function]];
+      const spline::BasisValue& v = values.values[j];
+      points[i] = points[i] + v.value * displacement[basis.space().geometry_of()[v.function]];
     }
   }
   return points;
@@ -106,7 +108,8 @@ Quality quality_of(const std::vector<float>& residual, std::span<const float> we
 
 class Tracker::Impl {
  public:
-  Impl(const vectorize::Options& cold, const TrackOptions& options) : cold_(cold), options_(options) {
+  Impl(const vectorize::Options& cold, const TrackOptions& options)
+      : cold_(cold), options_(options), settling_(SettleOptions{}) {
     if (options.keyframe_interval < 1) {
       throw Error(ErrorKind::kInvalidArgument, "a group has at least one frame");
     }
@@ -151,54 +154,59 @@ class Tracker::Impl {
     vectorize::Vectorization cold = vectorize::vectorize_picture(picture, cold_);
     space_ = cold.model.space;
     displacement_ = std::move(cold.model.displacement);
-    control_ = std::move(cold.model.colour);
     lap("cold");
-    const spline::Basis basis(space_);
-    PlacedPixels placed = place_pixels(basis, displacement_, picture);
-    const fit::PixelValues values(basis, picture.width, picture.height, placed.places);
+    basis_ = std::make_unique<const spline::Basis>(space_);
+    placed_ = place_pixels(*basis_, displacement_, picture);
+    const fit::PixelValues values(*basis_, picture.width, picture.height, placed_.places);
+    colours_.control = std::move(cold.model.colour);
     keep_residual(values, picture);
-    weights_ = std::move(placed.weights);
-    const Quality quality = quality_of(residual_, weights_, picture.channels);
-    report_->mec = quality.mec;
-    report_->psnr = group_psnr_ = quality.psnr;
+    measure(picture);
+    group_psnr_ = report_->psnr;
     group_functions_ = space_->function_count();
     group_length_ = 1;
     next_id_ = EditableMesh(space_->mesh()).next_id();
+    settling_.clear();
     lap("measure");
+    prepare_next(picture);
   }
 
   /// Picture minus surface, with the control points as they are.
   void keep_residual(const fit::PixelValues& values, const image::Image& picture) {
     std::vector<double> surface(picture.samples.size());
-    fit::surface_at_pixels(values, control_, picture.channels, surface);
-    residual_.resize(surface.size());
+    fit::surface_at_pixels(values, colours_.control, picture.channels, surface);
+    colours_.residual.resize(surface.size());
     for (std::size_t i = 0; i < surface.size(); ++i) {
-      residual_[i] = static_cast<float>(static_cast<double>(picture.samples[i]) - surface[i]);
+      colours_.residual[i] = static_cast<float>(static_cast<double>(picture.samples[i]) - surface[i]);
     }
+  }
+
+  void measure(const image::Image& picture) {
+    const Quality quality = quality_of(colours_.residual, placed_.weights, picture.channels);
+    report_->mec = quality.mec;
+    report_->psnr = quality.psnr;
   }
 
   // -- warm frames
 
-  /// @return whether the carried model is good enough; if not, the state is as before but for the colours.
+  /// @return whether the carried model is good enough.
   bool make_warm(const image::Image& picture, const Motion& motion) {
-    const std::vector<Vec2> points = image_positions(*space_, displacement_);
-    const std::vector<Vec2> targets = knot_targets(space_->mesh(), knot_motion(points, motion));
-    const KnotMesh before = space_->mesh();
-    KnotMesh carried = carry_mesh(before, targets, options_.carry, &report_->carry);
+    const std::vector<Vec2> points = image_positions(*basis_, displacement_, next_mesh_);
+    const std::vector<Vec2> targets = knot_targets(next_mesh_, knot_motion(points, motion));
+    KnotMesh carried = carry_mesh(next_mesh_, targets, options_.carry, &report_->carry);
     lap("carry");
     target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
-    image::Image wanted = temporal_target(picture, residual_, weights_, motion, options_.temporal_weight);
+    const image::Image wanted =
+        temporal_target(picture, colours_.residual, placed_.weights, motion, options_.temporal_weight);
     lap("target");
+    const KnotMesh before = space_->mesh();
     take_over(std::move(carried));
     fit(picture, wanted);
-    if (refill()) fit(picture, wanted);
-    if (options_.descent_steps > 0) descend(picture, wanted);
-    const Quality quality = quality_of(residual_, weights_, picture.channels);
-    report_->mec = quality.mec;
-    report_->psnr = quality.psnr;
+    measure(picture);
     report_->survival = share_alive(before, space_->mesh());
     ++group_length_;
-    return quality.psnr >= group_psnr_ - options_.drift;
+    if (report_->psnr < group_psnr_ - options_.drift) return false;
+    prepare_next(picture);
+    return true;
   }
 
   /// The space over a mesh that comes from the one there is.
@@ -208,70 +216,70 @@ class Tracker::Impl {
         links.space_over(std::move(mesh), cold_.degree, *target_));
     displacement_ = carried_displacement(*space_, displacement_, *space);
     space_ = std::move(space);
+    basis_ = std::make_unique<const spline::Basis>(space_);
     lap("space");
   }
 
   void fit(const image::Image& picture, const image::Image& wanted) {
-    const spline::Basis basis(space_);
-    const PlacedPixels placed = place_pixels(basis, displacement_, wanted);
-    const fit::PixelValues values(basis, picture.width, picture.height, placed.places);
+    placed_ = place_pixels(*basis_, displacement_, wanted);
     lap("places");
-    fit::ColourFit colours = fit::fit_colours(values, placed.view(), cold_.colour);
-    control_ = std::move(colours.control);
-    weights_ = placed.weights;
-    places_ = placed.places;
+    const fit::PixelValues values(*basis_, picture.width, picture.height, placed_.places);
+    lap("basis");
+    colours_ = fit::fit_colours(values, placed_.view(), cold_.colour);
     keep_residual(values, picture);
     lap("colours");
   }
 
+  /// The mesh that the next frame starts from: knots go a step against the gradient of the error, and those
+  /// that are lost or idle come back where the error is.
+  void prepare_next(const image::Image& picture) {
+    next_mesh_ = space_->mesh();
+    if (!options_.warm_start) return;
+    if (options_.settle) {
+      const fit::Pixels pixels{.image = &picture, .weights = placed_.weights, .places = placed_.places};
+      std::vector<Vec2> moves = settling_.moves(next_mesh_, fit::knot_gradient(*basis_, pixels, colours_));
+      fit::limit_moves(*space_, options_.carry.min_distance, moves);
+      for (std::size_t k = 0; k < moves.size(); ++k) {
+        next_mesh_.knots[k].position = next_mesh_.knots[k].position + moves[k];
+      }
+    }
+    lap("settle");
+    refill(picture);
+    lap("refill");
+  }
+
   /// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.
-  bool refill() {
+  void refill(const image::Image& picture) {
+    if (!target_) target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
     const double functions = static_cast<double>(space_->function_count());
     const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
     const double missing = (static_cast<double>(group_functions_) - functions) / per_knot;
-    EditableMesh mesh(space_->mesh(), next_id_);
+    EditableMesh mesh(next_mesh_, next_id_);
     const std::vector<float> errors = squared_errors();
     const std::size_t removed = remove_idle_knots(mesh, *target_, errors, options_.swap);
     report_->swapped = removed;
     const double wanted = missing + static_cast<double>(removed);
-    if (wanted < 4 && removed == 0) return false;  // a few are not worth another fit
+    if (wanted < 1 && removed == 0) return;
     knots::RefineOptions refine;
     refine.max_knots = static_cast<std::size_t>(std::max(0.0, wanted));
     refine.min_distance = options_.carry.min_distance;
     const auto inserted =
-        knots::refine_knots(mesh, errors, places_, target_->image().width, target_->image().height, refine);
+        knots::refine_knots(mesh, errors, placed_.places, picture.width, picture.height, refine);
     next_id_ = mesh.next_id();
     report_->inserted = inserted.size();
-    lap("insert");
-    if (inserted.empty() && removed == 0) return false;
-    take_over(mesh.to_mesh());
-    return true;
+    next_mesh_ = mesh.to_mesh();
   }
 
   std::vector<float> squared_errors() const {
     const auto channels = static_cast<std::size_t>(target_->channels());
-    std::vector<float> squared(residual_.size() / channels, 0);
+    const std::vector<float>& residual = colours_.residual;
+    std::vector<float> squared(residual.size() / channels, 0);
     for (std::size_t i = 0; i < squared.size(); ++i) {
-      if (!weights_.empty() && weights_[i] < 1) continue;
-      for (std::size_t c = 0; c < channels; ++c) {
-        squared[i] += residual_[i * channels + c] * residual_[i * channels + c];
-      }
+      if (!placed_.weights.empty() && placed_.weights[i] < 1) continue;
+      for (std::size_t c = 0; c < channels; ++c)
+        squared[i] += residual[i * channels + c] * residual[i * channels + c];
     }
     return squared;
-  }
-
-  void descend(const image::Image& picture, const image::Image& wanted) {
-    const spline::Basis basis(space_);
-    const PlacedPixels placed = place_pixels(basis, displacement_, wanted);
-    fit::ColourSurface surface{space_, {.control = control_, .residual = residual_}};
-    surface.fit = fit::fit_colours(basis, placed.view(), cold_.colour);
-    fit::DescentOptions descent;
-    descent.steps = options_.descent_steps;
-    descent.colour = cold_.colour;
-    surface = fit::descend(std::move(surface), placed.view(), descent);
-    space_ = surface.space;
-    fit(picture, wanted);
-    lap("descend");
   }
 
   document::FrameModel model(const image::Image& picture, bool keyframe) const {
@@ -279,7 +287,7 @@ class Tracker::Impl {
     model.space = space_;
     model.displacement = displacement_;
     model.channels = picture.channels;
-    model.colour = control_;
+    model.colour = colours_.control;
     model.keyframe = keyframe;
     return model;
   }
@@ -291,10 +299,11 @@ class Tracker::Impl {
 
   std::shared_ptr<const spline::SplineSpace> space_;
   std::vector<Vec2> displacement_;
-  std::vector<double> control_;
-  std::vector<float> residual_;  ///< picture minus surface
-  std::vector<float> weights_;   ///< of the pixels; empty: all 1
-  std::vector<Vec2> places_;     ///< of the pixels; empty: the centres
+  fit::ColourFit colours_;  ///< the residual is that of the picture
+  PlacedPixels placed_;
+  std::unique_ptr<const spline::Basis> basis_;  ///< of space_
+  KnotMesh next_mesh_;
+  Settling settling_;
   std::unique_ptr<knots::Target> target_;
   std::uint32_t next_id_ = 0;
 

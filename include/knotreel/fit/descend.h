@@ -28,4 +28,9 @@ struct ColourSurface {
 /// @param pixels their places in the domain are held.
 ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options);
 
+/// Shrinks moves of knots until no face is flatter than `min_distance` / 4, nor any triangle of a link flat,
+/// but for those that are flatter already, which get no flatter.
+/// @param moves by knot, pixels; changed in place.
+void limit_moves(const spline::SplineSpace& space, double min_distance, std::vector<Vec2>& moves);
+
 }  // namespace knotreel::fit

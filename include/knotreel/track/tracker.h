@@ -21,7 +21,7 @@ struct TrackOptions {
   int keyframe_interval = 250;   ///< most frames of a group, 1 or more
   double scene_threshold = 0.4;  ///< as motion::CutOptions::threshold
   double drift = 1.0;            ///< dB below the start of the group at which a new one starts
-  int descent_steps = 0;         ///< of each warm frame, on the true residual
+  bool settle = true;            ///< whether knots go on descending on the true residual, a step per frame
   CarryOptions carry{};
   SwapOptions swap{};
 };

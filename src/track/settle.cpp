@@ -1,0 +1,52 @@
+#include "track/settle.h"
+
+#include <algorithm>
+
+namespace knotreel::track {
+
+namespace {
+
+// Factors of a step while the direction stays, and when it turns.
+constexpr double kGrow = 1.2;
+constexpr double kShrink = 0.6;
+constexpr double kLongest = 0.3;  // share of the shortest edge
+
+std::vector<double> shortest_edges(const mesh::KnotMesh& mesh) {
+  std::vector<double> shortest(mesh.knots.size(), 1e300);
+  for (const mesh::Face& f : mesh.faces) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const mesh::KnotIndex a = f[i];
+      const mesh::KnotIndex b = f[(i + 1) % 3];
+      const double length = norm(mesh.knots[a].position - mesh.knots[b].position);
+      shortest[a] = std::min(shortest[a], length);
+      shortest[b] = std::min(shortest[b], length);
+    }
+  }
+  return shortest;
+}
+
+}  // namespace
+
+std::vector<Vec2> Settling::moves(const mesh::KnotMesh& mesh, const std::vector<Vec2>& gradient) {
+  const std::vector<double> shortest = shortest_edges(mesh);
+  std::unordered_map<std::uint32_t, Step> steps;
+  std::vector<Vec2> result(gradient.size());
+  for (std::size_t k = 0; k < gradient.size(); ++k) {
+    const double size = norm(gradient[k]);
+    if (!(size > 0)) continue;
+    const auto id = static_cast<std::uint32_t>(mesh.knots[k].id);
+    const auto known = steps_.find(id);
+    Step step = known != steps_.end() ? known->second : Step{options_.first_step * shortest[k], {}};
+    const Vec2 direction = (-1 / size) * gradient[k];
+    const double turn = dot(direction, step.direction);
+    step.length *= turn > 0.5 ? kGrow : turn < 0 ? kShrink : 1.0;
+    step.length = std::min(step.length, kLongest * shortest[k]);
+    step.direction = direction;
+    steps.emplace(id, step);
+    if (step.length >= options_.least) result[k] = step.length * direction;
+  }
+  steps_ = std::move(steps);
+  return result;
+}
+
+}  // namespace knotreel::track

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <cstdint>
+#include <unordered_map>
+#include <vector>
+
+#include "knotreel/mesh/knot_mesh.h"
+
+namespace knotreel::track {
+
+struct SettleOptions {
+  double first_step = 0.1;  ///< of a knot, as a share of its shortest edge
+  double least = 0.03;      ///< pixels; a knot whose steps got shorter has settled and rests
+};
+
+/// Steps of knots against the gradient of the error, one per frame: each grows while its direction stays and
+/// shrinks when it turns, so that knots come to rest where the picture does. Knots are known by their ids.
+class Settling {
+ public:
+  explicit Settling(const SettleOptions& options) : options_(options) {}
+
+  /// @param gradient of the squared error by knot. @return moves by knot, pixels.
+  std::vector<Vec2> moves(const mesh::KnotMesh& mesh, const std::vector<Vec2>& gradient);
+
+  void clear() { steps_.clear(); }
+
+ private:
+  struct Step {
+    double length = 0;
+    Vec2 direction;
+  };
+  SettleOptions options_;
+  std::unordered_map<std::uint32_t, Step> steps_;
+};
+
+}  // namespace knotreel::track
