@@ -35,12 +35,8 @@ inline Cell cell_at(float x, float y, int width, int height) {
   const std::size_t right_step = left + 1 < width ? 1 : 0;
   const std::size_t down_step = top + 1 < height ? std::size_t(width) : 0;
   const std::size_t corner = std::size_t(top) * std::size_t(width) + std::size_t(left);
-  return {corner,
-          corner + right_step,
-          corner + down_step,
-          corner + down_step + right_step,
-          u - float(left),
-          v - float(top)};
+  return {corner,          corner + right_step, corner + down_step, corner + down_step + right_step,
+          u - float(left), v - float(top)};
 }
 
 }  // namespace knotreel::motion

@@ -17,7 +17,8 @@ struct Tolerance {
 bool comes_back(const Flow& backward, float x, float y, float dx, float dy, Tolerance tolerance) {
   const float there_x = x + dx;
   const float there_y = y + dy;
-  if (!(there_x >= 0 && there_y >= 0 && there_x <= float(backward.width) && there_y <= float(backward.height))) {
+  if (!(there_x >= 0 && there_y >= 0 && there_x <= float(backward.width) &&
+        there_y <= float(backward.height))) {
     return false;
   }
   const Cell cell = cell_at(there_x, there_y, backward.width, backward.height);

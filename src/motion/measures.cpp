@@ -88,9 +88,8 @@ double change_along(const Image& before, const Image& now, const Flow& flow,
 
 void check_channels(const Image& a, const Image& b) {
   if (a.channels == b.channels) return;
-  throw Error(ErrorKind::kInvalidArgument,
-              "the pictures have " + std::to_string(a.channels) + " and " + std::to_string(b.channels) +
-                  " channels, and need as many");
+  throw Error(ErrorKind::kInvalidArgument, "the pictures have " + std::to_string(a.channels) + " and " +
+                                               std::to_string(b.channels) + " channels, and need as many");
 }
 
 }  // namespace

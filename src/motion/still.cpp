@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
 #include "knotreel/motion/warp.h"
 #include "motion/check_sizes.h"
 
@@ -32,8 +33,14 @@ StillTest::StillTest(const Luma& from, const Luma& to, const Flow& flow, const S
     : options_(options), width_(from.width), height_(from.height) {
   if (options.radius < 0) throw Error(ErrorKind::kInvalidArgument, "the radius of a window is negative");
   check_sizes(from, to);
-  standing_ = squared_difference_sums(from, to);
-  moving_ = squared_difference_sums(from, warp(to, flow));
+  check_sizes(from, flow);
+  parallel_for(2, [&](std::size_t i) {
+    if (i == 0) {
+      standing_ = squared_difference_sums(from, to);
+    } else {
+      moving_ = squared_difference_sums(from, warp(to, flow));
+    }
+  });
 }
 
 bool StillTest::still(Vec2 p) const {

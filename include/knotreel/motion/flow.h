@@ -19,8 +19,8 @@ struct Flow {
   int height = 0;
   std::vector<float> xy;  ///< row-major; dx, dy of one pixel after those of the other
 
-  /// Displacement at any finite point, bilinear between pixel centres; beyond the outermost centres it is that
-  /// of the nearest place within. The flow must not be empty.
+  /// Displacement at any finite point, bilinear between pixel centres; beyond the outermost centres it is
+  /// that of the nearest place within. The flow must not be empty.
   Vec2 at(Vec2 p) const;
 };
 

@@ -17,8 +17,9 @@ struct StillOptions {
   double slack = 6.0;  ///< ... and so much more, in squared levels
 };
 
-/// The dead zone of motion: tells places that had better stay where they are, since moving them hardly explains
-/// the next picture better. Costs two passes over the pictures once and the same few operations for any point.
+/// The dead zone of motion: tells places that had better stay where they are, since moving them hardly
+/// explains the next picture better. Costs two passes over the pictures once and the same few operations for
+/// any point.
 class StillTest {
  public:
   /// @param from, to, flow pictures of one size, and the flow from the first to the second.
