@@ -127,7 +127,7 @@ TEST(MeasureChange, CachedLumaChangesNothing) {
 }
 
 TEST(MeasureChange, AnySizeWillDo) {
-  for (const auto [width, height] : {std::pair{1, 1}, {1, 50}, {7, 5}, {33, 31}}) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 50}, {7, 5}, {33, 31}}) {
     const Image picture = moved_texture(width, height, {});
     EXPECT_FALSE(is_cut(change(picture, picture)));
   }

@@ -34,19 +34,25 @@ double share(const std::vector<std::uint8_t>& mask) {
   return double(std::count(mask.begin(), mask.end(), 1)) / double(mask.size());
 }
 
-class Translation : public ::testing::TestWithParam<Vec2> {};
+using Effort = FlowOptions::Effort;
 
-TEST_P(Translation, IsFound) {
-  const Vec2 d = GetParam();
-  const Flow flow = find_flow(moved_texture(kWidth, kHeight, {}), moved_texture(kWidth, kHeight, d));
-  EXPECT_LT(median_error(flow, [d](Vec2) { return d; }), 0.1);
+/// Median errors that are allowed, in pixels: the first two look at a quarter of the size only.
+double allowed(Effort effort) {
+  if (effort == Effort::kUltrafast) return 0.25;
+  return effort == Effort::kFast ? 0.15 : 0.1;
 }
 
-INSTANTIATE_TEST_SUITE_P(Some, Translation,
-                         ::testing::Values(Vec2{0, 0}, Vec2{1, 0}, Vec2{0.5, -0.25}, Vec2{-3.3, 2.1},
-                                           Vec2{8, -5}));
+class EveryEffort : public ::testing::TestWithParam<Effort> {};
 
-TEST(FindFlow, FindsARotation) {
+TEST_P(EveryEffort, FindsTranslations) {
+  for (const Vec2 d : {Vec2{0, 0}, Vec2{1, 0}, Vec2{0.5, -0.25}, Vec2{-3.3, 2.1}, Vec2{8, -5}}) {
+    const Flow flow =
+        find_flow(moved_texture(kWidth, kHeight, {}), moved_texture(kWidth, kHeight, d), {GetParam()});
+    EXPECT_LT(median_error(flow, [d](Vec2) { return d; }), allowed(GetParam())) << d.x << ", " << d.y;
+  }
+}
+
+TEST_P(EveryEffort, FindsARotation) {
   const Texture texture;
   const Vec2 centre{kWidth / 2.0, kHeight / 2.0};
   const double angle = 0.04;
@@ -54,23 +60,16 @@ TEST(FindFlow, FindsARotation) {
     const Vec2 d = p - centre;
     return centre + Vec2{std::cos(by) * d.x - std::sin(by) * d.y, std::sin(by) * d.x + std::cos(by) * d.y};
   };
-  const Flow flow = find_flow(draw(kWidth, kHeight, texture),
-                              draw(kWidth, kHeight, [&](Vec2 p) { return texture(turned(p, -angle)); }));
-  EXPECT_LT(median_error(flow, [&](Vec2 p) { return turned(p, angle) - p; }), 0.1);
+  const auto after = [&](Vec2 p) { return texture(turned(p, -angle)); };
+  const Flow flow = find_flow(draw(kWidth, kHeight, texture), draw(kWidth, kHeight, after), {GetParam()});
+  EXPECT_LT(median_error(flow, [&](Vec2 p) { return turned(p, angle) - p; }), allowed(GetParam()));
 }
 
-TEST(FindFlow, EveryEffortFindsATranslation) {
-  using Effort = FlowOptions::Effort;
-  const Vec2 d{2.5, 1.5};
-  for (const Effort effort : {Effort::kUltrafast, Effort::kFast, Effort::kMedium}) {
-    const Flow flow =
-        find_flow(moved_texture(kWidth, kHeight, {}), moved_texture(kWidth, kHeight, d), {effort});
-    EXPECT_LT(median_error(flow, [d](Vec2) { return d; }), 0.3);
-  }
-}
+INSTANTIATE_TEST_SUITE_P(Efforts, EveryEffort,
+                         ::testing::Values(Effort::kUltrafast, Effort::kFast, Effort::kMedium));
 
 TEST(FindFlow, AnySizeWillDo) {
-  for (const auto [width, height] : {std::pair{1, 1}, {1, 50}, {7, 5}, {31, 33}, {300, 2}}) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 50}, {7, 5}, {31, 33}, {300, 2}}) {
     const Flow flow = find_flow(moved_texture(width, height, {}), moved_texture(width, height, {}));
     EXPECT_EQ(flow.width, width);
     EXPECT_EQ(flow.height, height);
