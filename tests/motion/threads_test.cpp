@@ -1,5 +1,7 @@
 #include <gtest/gtest.h>
 
+#include <opencv2/core/utility.hpp>
+
 #include "knotreel/base/parallel.h"
 #include "knotreel/motion/cut.h"
 #include "knotreel/motion/measures.h"
@@ -59,6 +61,20 @@ TEST(Threads, TheirNumberDoesNotShow) {
     EXPECT_EQ(one.warped, more.warped);
     EXPECT_EQ(one.figures, more.figures);
   }
+}
+
+TEST(Threads, ThoseOfOpenCvDoNotShowEither) {
+  const Luma from = luma_of(with_noise(moved_texture(333, 222, {}), 6, 1));
+  const Luma to = luma_of(with_noise(moved_texture(333, 222, {4.3, -2.6}), 6, 2));
+  using Effort = FlowOptions::Effort;
+  const int before = cv::getNumThreads();
+  for (const Effort effort : {Effort::kUltrafast, Effort::kFast, Effort::kMedium}) {
+    cv::setNumThreads(1);
+    const Flow one = find_flow(from, to, {effort});
+    cv::setNumThreads(2);
+    EXPECT_EQ(one.xy, find_flow(from, to, {effort}).xy);
+  }
+  cv::setNumThreads(before);
 }
 
 }  // namespace

@@ -38,8 +38,7 @@ struct FlowOptions {
 /// Sensible up to displacements of about an eighth of the smaller side; flat places follow what is around.
 /// Both pictures have the same size; any size will do (below 32 pixels they are continued by their border).
 /// @throws Error{kInvalidArgument} if the sizes differ or a picture is empty.
-/// Runs on the calling thread, so the result does not depend on the number of threads; it may be called from
-/// several at once. While it runs, OpenCV is kept to one thread in the whole process.
+/// May use all threads; the result does not depend on their number. May be called from several at once.
 Flow find_flow(const Luma& from, const Luma& to, const FlowOptions& options = {});
 Flow find_flow(const image::Image& from, const image::Image& to, const FlowOptions& options = {});
 
@@ -59,7 +58,7 @@ struct FlowPair {
   std::vector<std::uint8_t> consistent;
 };
 
-/// The three at once: both directions run at the same time if two threads are allowed.
+/// The three at once, for less than three times the wait: both directions run at the same time.
 /// @throws as find_flow().
 FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& options = {});
 
