@@ -1,7 +1,8 @@
 #include "knotreel/motion/cut.h"
 
 #include <algorithm>
-#include <cmath>
+#include <cstdlib>
+#include <functional>
 #include <numeric>
 
 #include "knotreel/base/error.h"
@@ -13,72 +14,89 @@
 namespace knotreel::motion {
 namespace {
 
-/// Side of the blocks whose texture is compared: texture is what is left when the mean of a block is taken
-/// off.
-constexpr std::size_t kBlock = 16;
+/// Side of the cells, in pixels, whose means are compared: noise and the finest texture are averaged away.
+constexpr std::size_t kCell = 4;
 
-/// Variance, in squared levels, that counts as equal texture in every block, so that flat pictures are alike
-/// and noise of a few levels says little.
-constexpr double kFlat = 8;
+/// Side of the blocks, in cells. Texture is what is left when the mean of a block is taken off.
+constexpr std::size_t kBlock = 8;
 
-/// Over the blocks of one band of rows.
-struct BandSums {
-  double difference = 0;  ///< absolute, over pixels
-  double covariance = 0;  ///< of the two pictures, times pixels, over blocks
-  double contrast = 0;    ///< product of the standard deviations, times pixels, over blocks
+/// Variance of cells, in squared levels, that every block has for sure, so that flat pictures are alike.
+constexpr double kFlat = 4;
+
+/// Means of the cells of a picture, row-major; those at the right and lower border may be smaller.
+struct Cells {
+  std::size_t columns;
+  std::size_t rows;
+  std::vector<double> mean;
 };
 
-/// First and second moments of two pictures in a block; all are exact.
-struct BlockSums {
-  std::int64_t a = 0, b = 0, aa = 0, bb = 0, ab = 0, difference = 0, pixels = 0;
-};
-
-BlockSums sum_block(const Luma& a, const Luma& b, std::size_t left, std::size_t top) {
-  const auto width = std::size_t(a.width);
-  const std::size_t right = std::min(width, left + kBlock);
-  const std::size_t bottom = std::min(std::size_t(a.height), top + kBlock);
-  BlockSums sums;
-  sums.pixels = std::int64_t((right - left) * (bottom - top));
-  for (std::size_t y = top; y < bottom; ++y) {
-    for (std::size_t i = y * width + left; i < y * width + right; ++i) {
-      const int p = a.v[i];
-      const int q = b.v[i];
-      sums.a += p;
-      sums.b += q;
-      sums.aa += p * p;
-      sums.bb += q * q;
-      sums.ab += p * q;
-      sums.difference += std::abs(p - q);
+Cells cells_of(const Luma& luma) {
+  const auto width = std::size_t(luma.width);
+  const auto height = std::size_t(luma.height);
+  Cells cells{(width + kCell - 1) / kCell, (height + kCell - 1) / kCell, {}};
+  cells.mean.resize(cells.columns * cells.rows);
+  parallel_for(cells.rows, [&](std::size_t row) {
+    const std::size_t end = std::min(height, (row + 1) * kCell);
+    std::vector<unsigned> sums(cells.columns);
+    for (std::size_t y = row * kCell; y < end; ++y) {
+      for (std::size_t x = 0; x < width; ++x) sums[x / kCell] += luma.v[y * width + x];
     }
-  }
-  return sums;
-}
-
-void add_block(const BlockSums& block, BandSums& band) {
-  const auto n = double(block.pixels);
-  const auto central = [n](std::int64_t product, std::int64_t p, std::int64_t q) {
-    return double(product) - double(p) * double(q) / n;
-  };
-  const double variances = central(block.aa, block.a, block.a) * central(block.bb, block.b, block.b);
-  band.difference += double(block.difference);
-  band.covariance += central(block.ab, block.a, block.b) + n * kFlat;
-  band.contrast += std::sqrt(std::max(0.0, variances)) + n * kFlat;
-}
-
-BandSums compare(const Luma& a, const Luma& b) {
-  std::vector<BandSums> bands((std::size_t(a.height) + kBlock - 1) / kBlock);
-  parallel_for(bands.size(), [&](std::size_t band) {
-    for (std::size_t left = 0; left < std::size_t(a.width); left += kBlock) {
-      add_block(sum_block(a, b, left, band * kBlock), bands[band]);
+    for (std::size_t column = 0; column < cells.columns; ++column) {
+      const std::size_t pixels =
+          (std::min(width, (column + 1) * kCell) - column * kCell) * (end - row * kCell);
+      cells.mean[row * cells.columns + column] = double(sums[column]) / double(pixels);
     }
   });
-  BandSums sums;
-  for (const BandSums& band : bands) {
-    sums.difference += band.difference;
-    sums.covariance += band.covariance;
-    sums.contrast += band.contrast;
+  return cells;
+}
+
+/// Second central moments of two pictures, over cells.
+struct Moments {
+  double aa = 0;
+  double bb = 0;
+  double ab = 0;
+};
+
+Moments block_moments(const Cells& a, const Cells& b, std::size_t left, std::size_t top) {
+  const std::size_t right = std::min(a.columns, left + kBlock);
+  const std::size_t bottom = std::min(a.rows, top + kBlock);
+  Moments m;
+  double sum_a = 0;
+  double sum_b = 0;
+  for (std::size_t y = top; y < bottom; ++y) {
+    for (std::size_t i = y * a.columns + left; i < y * a.columns + right; ++i) {
+      sum_a += a.mean[i];
+      sum_b += b.mean[i];
+      m.aa += a.mean[i] * a.mean[i];
+      m.bb += b.mean[i] * b.mean[i];
+      m.ab += a.mean[i] * b.mean[i];
+    }
   }
-  return sums;
+  const auto n = double((right - left) * (bottom - top));
+  const double flat = n * kFlat;
+  return {m.aa - sum_a * sum_a / n + flat, m.bb - sum_b * sum_b / n + flat, m.ab - sum_a * sum_b / n + flat};
+}
+
+/// The mean of the variances, not their root, is what covariance is measured by: texture that comes out of
+/// nothing is a change, and light that changes by a third in one frame still is hardly any.
+double unlikeness(const Cells& a, const Cells& b) {
+  double together = 0;
+  double apart = 0;
+  for (std::size_t top = 0; top < a.rows; top += kBlock) {
+    for (std::size_t left = 0; left < a.columns; left += kBlock) {
+      const Moments m = block_moments(a, b, left, top);
+      together += m.ab;
+      apart += 0.5 * (m.aa + m.bb);
+    }
+  }
+  return 1 - std::clamp(together / apart, 0.0, 1.0);
+}
+
+double mean_difference(const Luma& a, const Luma& b) {
+  const std::uint64_t sum = std::transform_reduce(
+      a.v.begin(), a.v.end(), b.v.begin(), std::uint64_t{0}, std::plus<>(),
+      [](std::uint8_t p, std::uint8_t q) { return std::uint64_t(std::abs(int{p} - int{q})); });
+  return double(sum) / double(a.v.size());
 }
 
 }  // namespace
@@ -100,22 +118,20 @@ CutMeasure measure_change(const image::Image& before, const image::Image& now, c
     throw Error(ErrorKind::kInvalidArgument, "a flow and its consistent pixels differ in size");
   }
   const auto pixels = double(before.pixel_count());
-  const BandSums sums = compare(luma_before, warp(luma_now, forward));
+  const Luma moved = warp(luma_now, forward);
   CutMeasure measure;
-  measure.histogram = distance(histogram_of(before), histogram_of(now));
-  measure.residual = sums.difference / pixels;
+  Histogram histograms[2];
+  parallel_for(2, [&](std::size_t i) { histograms[i] = histogram_of(i == 0 ? before : now); });
+  measure.histogram = distance(histograms[0], histograms[1]);
+  measure.residual = mean_difference(luma_before, moved);
   measure.unmatched =
       1 - double(std::accumulate(consistent.begin(), consistent.end(), std::size_t{0})) / pixels;
-  measure.unlike = 1 - std::clamp(sums.covariance / sums.contrast, 0.0, 1.0);
+  measure.unlike = unlikeness(cells_of(luma_before), cells_of(moved));
   return measure;
 }
 
-double cut_score(const CutMeasure& measure) {
-  return 0.5 * (measure.unmatched + measure.unlike);
-}
-
 bool is_cut(const CutMeasure& measure, const CutOptions& options) {
-  return cut_score(measure) >= options.threshold;
+  return measure.unlike >= options.threshold;
 }
 
 }  // namespace knotreel::motion

@@ -5,7 +5,6 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/motion/flow.h"
 #include "motion/check_sizes.h"
-#include "motion/one_opencv_thread.h"
 
 namespace knotreel::motion {
 namespace {
@@ -41,8 +40,10 @@ cv::Mat large_enough(const Luma& luma) {
 
 Flow find_flow(const Luma& from, const Luma& to, const FlowOptions& options) {
   check_sizes(from, to);
-  const OneOpenCvThread one_thread;
   const cv::Ptr<cv::DISOpticalFlow> search = cv::DISOpticalFlow::create(preset(options.effort));
+  // Spatial propagation is what keeps stripes of patches, and with them the bits, the same for any number of
+  // threads; it is the default of all presets.
+  search->setUseSpatialPropagation(true);
   cv::Mat found;
   search->calc(large_enough(from), large_enough(to), found);
   Flow flow{from.width, from.height, std::vector<float>(2 * from.v.size())};
@@ -60,7 +61,6 @@ Flow find_flow(const image::Image& from, const image::Image& to, const FlowOptio
 
 FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& options) {
   check_sizes(from, to);
-  const OneOpenCvThread one_thread;  // once for both, lest the threads are put back in between
   FlowPair pair;
   parallel_for(2, [&](std::size_t direction) {
     if (direction == 0) {

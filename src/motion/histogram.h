@@ -12,7 +12,7 @@ struct Histogram {
   std::vector<double> chroma;
 };
 
-/// Of every second pixel of every second row, which is plenty. Neighbouring bins share what lies between
+/// Of every second pixel of every fourth row, which is plenty. Neighbouring bins share what lies between
 /// their centres, so that small changes of light remain small.
 Histogram histogram_of(const image::Image& picture);
 

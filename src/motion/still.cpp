@@ -2,25 +2,54 @@
 
 #include <algorithm>
 
+#include "base/multiversion.h"
 #include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
 #include "knotreel/motion/warp.h"
 #include "motion/check_sizes.h"
 
 namespace knotreel::motion {
 namespace {
 
-/// Sums of squared differences over all pixels above and to the left: entry (x, y) of (width + 1) x
-/// (height + 1) is the sum over the pixels of the first x columns and y rows.
+/// Differences are smoothed by (1 2 1) along both axes without dividing: squares are this much too large.
+constexpr double kSmoothing = 16.0 * 16.0;
+
+KNOTREEL_MULTIVERSION void add_difference(const std::uint8_t* a, const std::uint8_t* b, int weight,
+                                          std::size_t n, int* out) {
+  for (std::size_t x = 0; x < n; ++x) out[x] += weight * (int{a[x]} - int{b[x]});
+}
+
+/// Differences of row y and its neighbours, smoothed across rows; the border is continued by one value on
+/// either side.
+/// @param out width + 2 values.
+void vertical_differences(const Luma& a, const Luma& b, int y, std::vector<int>& out) {
+  const auto width = std::size_t(a.width);
+  std::fill(out.begin(), out.end(), 0);
+  for (int j = -1; j <= 1; ++j) {
+    const auto start = std::size_t(std::clamp(y + j, 0, a.height - 1)) * width;
+    add_difference(a.v.data() + start, b.v.data() + start, j == 0 ? 2 : 1, width, out.data() + 1);
+  }
+  out.front() = out[1];
+  out.back() = out[width];
+}
+
+/// Sums of squared smoothed differences over all pixels above and to the left: entry (x, y) of (width + 1) x
+/// (height + 1) is the sum over the pixels of the first x columns and y rows. Smoothing, since otherwise
+/// sampling between noisy pixels, which averages them, would pass for an explanation.
 std::vector<std::uint64_t> squared_difference_sums(const Luma& a, const Luma& b) {
   const auto width = std::size_t(a.width);
   const std::size_t stride = width + 1;
   std::vector<std::uint64_t> sums(stride * (std::size_t(a.height) + 1));
-  for (std::size_t y = 0; y < std::size_t(a.height); ++y) {
+  std::vector<int> d(width + 2);
+  for (int y = 0; y < a.height; ++y) {
+    vertical_differences(a, b, y, d);
+    const std::uint64_t* above = sums.data() + std::size_t(y) * stride;
+    std::uint64_t* here = sums.data() + std::size_t(y + 1) * stride;
     std::uint64_t row = 0;
     for (std::size_t x = 0; x < width; ++x) {
-      const int difference = int{a.v[y * width + x]} - int{b.v[y * width + x]};
+      const int difference = d[x] + 2 * d[x + 1] + d[x + 2];
       row += std::uint64_t(difference * difference);
-      sums[(y + 1) * stride + x + 1] = sums[y * stride + x + 1] + row;
+      here[x + 1] = above[x + 1] + row;
     }
   }
   return sums;
@@ -32,8 +61,14 @@ StillTest::StillTest(const Luma& from, const Luma& to, const Flow& flow, const S
     : options_(options), width_(from.width), height_(from.height) {
   if (options.radius < 0) throw Error(ErrorKind::kInvalidArgument, "the radius of a window is negative");
   check_sizes(from, to);
-  standing_ = squared_difference_sums(from, to);
-  moving_ = squared_difference_sums(from, warp(to, flow));
+  check_sizes(from, flow);
+  parallel_for(2, [&](std::size_t i) {
+    if (i == 0) {
+      standing_ = squared_difference_sums(from, to);
+    } else {
+      moving_ = squared_difference_sums(from, warp(to, flow));
+    }
+  });
 }
 
 bool StillTest::still(Vec2 p) const {
@@ -48,7 +83,7 @@ bool StillTest::still(Vec2 p) const {
   const auto mean = [&](const std::vector<std::uint64_t>& sums) {
     const std::uint64_t sum =
         sums[bottom + right] + sums[top + left] - sums[bottom + left] - sums[top + right];
-    return double(sum) / pixels;
+    return double(sum) / (kSmoothing * pixels);
   };
   return mean(standing_) <= options_.ratio * mean(moving_) + options_.slack;
 }

@@ -1,1 +1,142 @@
+#include "knotreel/motion/flow.h"
+
 #include <gtest/gtest.h>
+
+#include "knotreel/base/error.h"
+#include "motion/scenes.h"
+
+namespace knotreel::motion {
+namespace {
+
+using testing::constant_flow;
+using testing::draw;
+using testing::moved_texture;
+using testing::Texture;
+
+constexpr int kWidth = 192;
+constexpr int kHeight = 128;
+constexpr int kMargin = 16;  // what comes in at the border cannot be known
+
+/// Median distance, over the pixels away from the border, of a flow from the true one.
+template <typename Truth>
+double median_error(const Flow& flow, const Truth& truth) {
+  std::vector<double> errors;
+  for (int y = kMargin; y < flow.height - kMargin; ++y) {
+    for (int x = kMargin; x < flow.width - kMargin; ++x) {
+      const Vec2 p{x + 0.5, y + 0.5};
+      errors.push_back(norm(flow.at(p) - truth(p)));
+    }
+  }
+  return testing::median(errors);
+}
+
+double share(const std::vector<std::uint8_t>& mask) {
+  return double(std::count(mask.begin(), mask.end(), 1)) / double(mask.size());
+}
+
+using Effort = FlowOptions::Effort;
+
+/// Median errors that are allowed, in pixels: the first two look at a quarter of the size only.
+double allowed(Effort effort) {
+  if (effort == Effort::kUltrafast) return 0.25;
+  return effort == Effort::kFast ? 0.15 : 0.1;
+}
+
+class EveryEffort : public ::testing::TestWithParam<Effort> {};
+
+TEST_P(EveryEffort, FindsTranslations) {
+  for (const Vec2 d : {Vec2{0, 0}, Vec2{1, 0}, Vec2{0.5, -0.25}, Vec2{-3.3, 2.1}, Vec2{8, -5}}) {
+    const Flow flow =
+        find_flow(moved_texture(kWidth, kHeight, {}), moved_texture(kWidth, kHeight, d), {GetParam()});
+    EXPECT_LT(median_error(flow, [d](Vec2) { return d; }), allowed(GetParam())) << d.x << ", " << d.y;
+  }
+}
+
+TEST_P(EveryEffort, FindsARotation) {
+  const Texture texture;
+  const Vec2 centre{kWidth / 2.0, kHeight / 2.0};
+  const double angle = 0.04;
+  const auto turned = [&](Vec2 p, double by) {
+    const Vec2 d = p - centre;
+    return centre + Vec2{std::cos(by) * d.x - std::sin(by) * d.y, std::sin(by) * d.x + std::cos(by) * d.y};
+  };
+  const auto after = [&](Vec2 p) { return texture(turned(p, -angle)); };
+  const Flow flow = find_flow(draw(kWidth, kHeight, texture), draw(kWidth, kHeight, after), {GetParam()});
+  EXPECT_LT(median_error(flow, [&](Vec2 p) { return turned(p, angle) - p; }), allowed(GetParam()));
+}
+
+INSTANTIATE_TEST_SUITE_P(Efforts, EveryEffort,
+                         ::testing::Values(Effort::kUltrafast, Effort::kFast, Effort::kMedium));
+
+TEST(FindFlow, AnySizeWillDo) {
+  for (const auto& [width, height] : {std::pair{1, 1}, {1, 50}, {7, 5}, {31, 33}, {300, 2}}) {
+    const Flow flow = find_flow(moved_texture(width, height, {}), moved_texture(width, height, {}));
+    EXPECT_EQ(flow.width, width);
+    EXPECT_EQ(flow.height, height);
+    ASSERT_EQ(flow.xy.size(), std::size_t(2 * width * height));
+    for (const float d : flow.xy) EXPECT_NEAR(d, 0, 0.05);
+  }
+}
+
+TEST(FindFlow, ColourAndAlphaDoNotMatter) {
+  const image::Image from = moved_texture(64, 48, {});
+  const image::Image to = moved_texture(64, 48, {1, 1});
+  EXPECT_EQ(find_flow(from, to).xy,
+            find_flow(image::widen_channels(from, 4), image::widen_channels(to, 3)).xy);
+}
+
+TEST(FindFlow, RefusesPicturesOfDifferentSizes) {
+  EXPECT_THROW(find_flow(moved_texture(40, 40, {}), moved_texture(40, 41, {})), Error);
+  EXPECT_THROW(find_flow(Luma{}, Luma{}), Error);
+}
+
+TEST(FlowAt, IsBilinearBetweenCentresAndConstantBeyond) {
+  const Flow flow{2, 2, {0, 0, 4, 0, 0, 8, 4, 8}};
+  EXPECT_EQ(flow.at({0.5, 0.5}), (Vec2{0, 0}));
+  EXPECT_EQ(flow.at({1.5, 1.5}), (Vec2{4, 8}));
+  EXPECT_EQ(flow.at({0.75, 1.25}), (Vec2{1, 6}));
+  EXPECT_EQ(flow.at({-9, 99}), (Vec2{0, 8}));
+}
+
+TEST(Consistent, AcceptsWhatComesBack) {
+  const auto mask = consistent(constant_flow(20, 10, {3, 0}), constant_flow(20, 10, {-3.5, 0}));
+  for (int x = 0; x < 20; ++x) EXPECT_EQ(mask[std::size_t(x)], x + 0.5 + 3 <= 20 ? 1 : 0) << x;
+}
+
+TEST(Consistent, RejectsWhatDoesNot) {
+  EXPECT_EQ(share(consistent(constant_flow(20, 10, {0, 0}), constant_flow(20, 10, {1.01, 0}))), 0);
+  EXPECT_EQ(share(consistent(constant_flow(20, 10, {0, 0}), constant_flow(20, 10, {0.99, 0}))), 1);
+}
+
+TEST(Consistent, LongerVectorsMayBeOffByMore) {
+  const Flow forward = constant_flow(40, 40, {10, 0});
+  const Flow backward = constant_flow(40, 40, {-11.4, 0});
+  EXPECT_EQ(consistent(forward, backward)[0], 1);
+  EXPECT_EQ(consistent(forward, backward, 1.0, 0.0)[0], 0);
+}
+
+TEST(Consistent, RejectsWhatAPatchCovers) {
+  // A patch of other texture moves by 12 to the right over a background that stays.
+  const Texture background(1);
+  const Texture patch(2);
+  const auto scene = [&](double left) {
+    return draw(kWidth, kHeight, [&](Vec2 p) {
+      const bool in = p.x > left && p.x < left + 60 && p.y > 30 && p.y < 100;
+      return in ? patch(p - Vec2{left, 0}) : background(p);
+    });
+  };
+  const FlowPair pair = find_flow_pair(luma_of(scene(50)), luma_of(scene(62)));
+  const auto mean_in = [&](int left, int right) {
+    int sum = 0;
+    for (int y = 45; y < 85; ++y) {
+      for (int x = left; x < right; ++x) sum += pair.consistent[std::size_t(y * kWidth + x)];
+    }
+    return double(sum) / (40 * (right - left));
+  };
+  EXPECT_LT(mean_in(112, 120), 0.25);  // covered by the patch
+  EXPECT_GT(mean_in(65, 95), 0.95);    // the patch
+  EXPECT_GT(mean_in(140, 180), 0.95);  // background far away
+}
+
+}  // namespace
+}  // namespace knotreel::motion

@@ -18,13 +18,13 @@ struct CutMeasure {
   double residual = 0;
   /// Share of pixels whose flow is not consistent.
   double unmatched = 0;
-  /// How little texture is kept along the flow, 0 (all of it, in whatever light) to 1 (none): one minus the
-  /// correlation of luma in blocks.
+  /// How little texture is kept along the flow, 0 (all of it, or there is none) to 1 (nothing): one minus the
+  /// correlation, within blocks, of luma averaged over a few pixels. Light hardly shows, nor does noise.
   double unlike = 0;
 };
 
 struct CutOptions {
-  double threshold = 0.4;  ///< of cut_score(): lower finds more cuts
+  double threshold = 0.4;  ///< least CutMeasure::unlike of a cut
 };
 
 /// @param before, now pictures of one size; their channels may differ.
@@ -40,11 +40,9 @@ CutMeasure measure_change(const image::Image& before, const image::Image& now, c
                           const Luma& luma_now, const Flow& forward,
                           const std::vector<std::uint8_t>& consistent);
 
-/// One figure, 0 to 1, out of the measures: near 0 while one scene goes on, above one half at hard cuts.
-double cut_score(const CutMeasure& measure);
-
 /// Whether a new scene begins with the second picture. Meant for hard cuts: fades, moving cameras and light
-/// that changes are one scene.
+/// that changes are one scene. Pictures without texture are all alike; whoever has such looks at the
+/// histogram.
 bool is_cut(const CutMeasure& measure, const CutOptions& options = {});
 
 }  // namespace knotreel::motion

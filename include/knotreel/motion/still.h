@@ -18,8 +18,9 @@ struct StillOptions {
 };
 
 /// The dead zone of motion: tells places that had better stay where they are, since moving them hardly
-/// explains the next picture better. Costs two passes over the pictures once and the same few operations for
-/// any point.
+/// explains the next picture better. Residuals are those of luma, smoothed by (1 2 1)/4 along both axes so
+/// that noise does not count as motion. Costs two passes over the pictures once and the same few operations
+/// for any point.
 class StillTest {
  public:
   /// @param from, to, flow pictures of one size, and the flow from the first to the second.
