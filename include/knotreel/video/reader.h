@@ -1,0 +1,73 @@
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "knotreel/image/image.h"
+#include "knotreel/video/packet.h"
+#include "knotreel/video/stream_info.h"
+
+namespace knotreel::video {
+
+struct Frame {
+  image::Image image;
+  std::uint64_t index = 0;      ///< 0, 1, 2, ...
+  std::int64_t pts = 0;         ///< ticks of the time base; always above that of the frame before
+  std::int64_t duration = 0;    ///< ticks until the next frame; what the container says of the last one
+  std::vector<Packet> packets;  ///< of the copied streams, read since the frame before
+};
+
+struct ReadOptions {
+  int threads = 0;           ///< for decoding; 0: as many as there are cores
+  bool strict = false;       ///< damage is an error
+  bool copy_streams = true;  ///< hand out the packets of sound and subtitles
+  std::string format;        ///< libav's name of the input format; empty: found by content
+  std::map<std::string, std::string> demuxer_options;  ///< such as video_size, framerate, pixel_format
+  Rational image_rate{25, 1};                          ///< of pictures
+};
+
+struct ReaderState;
+
+/// Reads a video from its start to its end. One thread at a time for each object; several objects may work at
+/// once. libav's own messages are silenced for the whole process.
+class VideoReader {
+ public:
+  /// Opens a video and decodes its first frames.
+  /// @param input  a file of any kind that libav reads; a URL; `-`, standard input, which may be a pipe; a
+  ///               picture; a folder of pictures or a pattern with `*` or `?`, taken in natural order; a
+  ///               pattern with one `%d` or `%04d`, taken by number. Frames are brought to the size of the
+  ///               first one.
+  /// @throws Error{kInput} if there is nothing that can be decoded, Error{kInvalidArgument} for options that
+  /// the format does not know.
+  static VideoReader open(const std::string& input, const ReadOptions& options = {});
+  VideoReader(VideoReader&&) noexcept;
+  VideoReader& operator=(VideoReader&&) noexcept;
+  ~VideoReader();
+
+  const StreamInfo& info() const;
+
+  /// The next frame; false at the end. Damaged frames are left out, which makes the frame before longer.
+  /// @throws Error{kInput} for damage if strict.
+  bool next(Frame& frame);
+
+  /// Packets of copied streams that were read after the last frame. Call it when next() has said false.
+  std::vector<Packet> remaining_packets();
+
+  /// What was wrong without being an error, one line each: damage, changes of size, times made up.
+  const std::vector<std::string>& warnings() const;
+
+  /// Packets and frames that could not be decoded so far.
+  std::uint64_t damaged() const;
+
+  /// For VideoWriter: what it needs to know of the copied streams.
+  const ReaderState& state() const { return *state_; }
+
+ private:
+  explicit VideoReader(std::unique_ptr<ReaderState> state);
+  std::unique_ptr<ReaderState> state_;
+};
+
+}  // namespace knotreel::video

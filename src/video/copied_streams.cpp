@@ -1,0 +1,153 @@
+#include "copied_streams.h"
+
+#include <algorithm>
+#include <cstring>
+
+namespace knotreel::video {
+namespace {
+
+struct ContextDeleter {
+  void operator()(AVFormatContext* p) const {
+    if (p->pb != nullptr) {
+      std::uint8_t* bytes = nullptr;
+      avio_close_dyn_buf(p->pb, &bytes);
+      av_free(bytes);
+    }
+    avformat_free_context(p);
+  }
+};
+
+/// The four letters of another container would be wrong in this one, unless it knows them too.
+void fit_tag(AVCodecParameters& parameters, const AVOutputFormat& container) {
+  const unsigned tag = parameters.codec_tag;
+  parameters.codec_tag = 0;
+  if (container.codec_tag == nullptr) return;
+  unsigned known = 0;
+  const bool any = av_codec_get_tag2(container.codec_tag, parameters.codec_id, &known) != 0;
+  if (!any || av_codec_get_id(container.codec_tag, tag) == parameters.codec_id) parameters.codec_tag = tag;
+}
+
+void copy_side_data(const AVStream& from, AVStream& to, bool (*wanted)(AVPacketSideDataType)) {
+  for (int i = 0; i < from.nb_side_data; ++i) {
+    const AVPacketSideData& data = from.side_data[i];
+    if (!wanted(data.type)) continue;
+    std::uint8_t* bytes = av_stream_new_side_data(&to, data.type, data.size);
+    if (bytes != nullptr) std::memcpy(bytes, data.data, data.size);
+  }
+}
+
+void copy_stream(const AVStream& from, AVFormatContext& output) {
+  AVStream* stream = allocated(avformat_new_stream(&output, nullptr));
+  if (avcodec_parameters_copy(stream->codecpar, from.codecpar) < 0) throw std::bad_alloc();
+  fit_tag(*stream->codecpar, *output.oformat);
+  stream->time_base = from.time_base;
+  stream->avg_frame_rate = from.avg_frame_rate;
+  stream->disposition = from.disposition;
+  av_dict_copy(&stream->metadata, from.metadata, 0);
+  copy_side_data(from, *stream, [](AVPacketSideDataType) { return true; });
+}
+
+/// Muxers tell what they cannot hold when the header is written; so one is written, into memory.
+bool takes(const AVFormatContext& output, const AVStream& candidate) {
+  const AVCodecID id = candidate.codecpar->codec_id;
+  if (id == AV_CODEC_ID_NONE || avformat_query_codec(output.oformat, id, FF_COMPLIANCE_NORMAL) == 0)
+    return false;
+  AVFormatContext* made = nullptr;
+  if (avformat_alloc_output_context2(&made, output.oformat, nullptr, nullptr) < 0) throw std::bad_alloc();
+  const std::unique_ptr<AVFormatContext, ContextDeleter> trial(made);
+  trial->strict_std_compliance = output.strict_std_compliance;
+  AVStream* video = allocated(avformat_new_stream(trial.get(), nullptr));
+  if (avcodec_parameters_copy(video->codecpar, output.streams[0]->codecpar) < 0) throw std::bad_alloc();
+  video->time_base = output.streams[0]->time_base;
+  copy_stream(candidate, *trial);
+  return avio_open_dyn_buf(&trial->pb) >= 0 && avformat_write_header(trial.get(), nullptr) >= 0;
+}
+
+std::string left_out(const AVStream& stream, const AVFormatContext& output) {
+  const char* type = av_get_media_type_string(stream.codecpar->codec_type);
+  return "stream " + std::to_string(stream.index) + " (" + (type == nullptr ? "data" : type) + ", " +
+         avcodec_get_name(stream.codecpar->codec_id) + ") is left out: container '" + output.oformat->name +
+         "' does not take it";
+}
+
+void copy_chapters(const AVFormatContext& from, AVFormatContext& to) {
+  for (unsigned i = 0; i < from.nb_chapters; ++i) {
+    const AVChapter& chapter = *from.chapters[i];
+    auto* copy = static_cast<AVChapter*>(allocated(av_mallocz(sizeof(AVChapter))));
+    *copy = AVChapter{chapter.id, chapter.time_base, chapter.start, chapter.end, nullptr};
+    av_dict_copy(&copy->metadata, chapter.metadata, 0);
+    if (av_dynarray_add_nofree(&to.chapters, reinterpret_cast<int*>(&to.nb_chapters), copy) < 0) {
+      throw std::bad_alloc();
+    }
+  }
+}
+
+/// What the source's container said of itself is not true of the output.
+void drop_stale(AVDictionary** metadata) {
+  for (const char* key : {"encoder", "major_brand", "minor_version", "compatible_brands", "creation_time",
+                          "rotate", "alpha_mode", "duration", "NUMBER_OF_FRAMES", "NUMBER_OF_BYTES", "BPS"}) {
+    av_dict_set(metadata, key, nullptr, 0);
+  }
+}
+
+}  // namespace
+
+void CopiedStreams::make(const Source& source, AVFormatContext& output, Warnings& warnings) {
+  const AVFormatContext* input = source.format();
+  if (input == nullptr) return;
+  for (const int i : source.copied_streams()) {
+    const AVStream& stream = *input->streams[i];
+    if (!takes(output, stream)) {
+      warnings.add(left_out(stream, output));
+      continue;
+    }
+    targets_[i] = {int(output.nb_streams), AV_NOPTS_VALUE};
+    copy_stream(stream, output);
+    drop_stale(&output.streams[output.nb_streams - 1]->metadata);
+  }
+  av_dict_copy(&output.metadata, input->metadata, 0);
+  drop_stale(&output.metadata);
+  copy_chapters(*input, output);
+}
+
+PacketPtr CopiedStreams::prepare(const Packet& packet, std::int64_t start, AVRational unit,
+                                 const AVFormatContext& output) {
+  const auto* copied = static_cast<const CopiedPacket*>(packet.impl());
+  if (copied == nullptr) return {};
+  const auto found = targets_.find(copied->packet->stream_index);
+  if (found == targets_.end()) return {};
+  PacketPtr result = new_packet();
+  if (av_packet_ref(result.get(), copied->packet.get()) < 0) throw std::bad_alloc();
+  Target& target = found->second;
+  const std::int64_t away = av_rescale_q(start, unit, copied->time_base);
+  if (result->pts != AV_NOPTS_VALUE) result->pts -= away;
+  if (result->dts != AV_NOPTS_VALUE) result->dts -= away;
+  if (result->dts == AV_NOPTS_VALUE) result->dts = result->pts;
+  av_packet_rescale_ts(result.get(), copied->time_base, output.streams[target.stream]->time_base);
+  // Muxers refuse times that do not go up; damaged sources have them.
+  if (target.last_dts != AV_NOPTS_VALUE && result->dts != AV_NOPTS_VALUE) {
+    const bool equal_is_fine = (output.oformat->flags & AVFMT_TS_NONSTRICT) != 0;
+    const std::int64_t least = target.last_dts + (equal_is_fine ? 0 : 1);
+    if (result->dts < least) result->dts = least;
+    if (result->pts != AV_NOPTS_VALUE) result->pts = std::max(result->pts, result->dts);
+  }
+  if (result->dts != AV_NOPTS_VALUE) target.last_dts = result->dts;
+  result->stream_index = target.stream;
+  result->pos = -1;
+  return result;
+}
+
+void copy_video_properties(const Source& source, AVStream& video) {
+  const AVFormatContext* input = source.format();
+  if (input == nullptr) return;
+  const AVStream& from = *input->streams[source.video_stream()];
+  av_dict_copy(&video.metadata, from.metadata, 0);
+  drop_stale(&video.metadata);
+  video.disposition = from.disposition;
+  copy_side_data(from, video, [](AVPacketSideDataType type) {
+    return type == AV_PKT_DATA_MASTERING_DISPLAY_METADATA || type == AV_PKT_DATA_CONTENT_LIGHT_LEVEL ||
+           type == AV_PKT_DATA_STEREO3D || type == AV_PKT_DATA_SPHERICAL;
+  });
+}
+
+}  // namespace knotreel::video

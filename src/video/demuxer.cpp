@@ -1,0 +1,137 @@
+#include "demuxer.h"
+
+#include <cstring>
+#include <filesystem>
+
+#include "knotreel/base/error.h"
+#include "knotreel/base/input_file.h"
+
+namespace knotreel::video {
+namespace {
+
+/// A file name with a colon must not be taken for a URL.
+std::string url_of(const std::string& input) {
+  if (input == "-") return "pipe:0";
+  if (input.find("://") != std::string::npos) return input;
+  return "file:" + input;
+}
+
+void check_file(const std::string& input, const std::string& cannot_read) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(input, ignored)) return;
+  if (std::filesystem::file_size(input, ignored) == 0) {
+    throw Error(ErrorKind::kInput, cannot_read + "the file is empty");
+  }
+}
+
+const AVInputFormat* forced_format(const std::string& name) {
+  if (name.empty()) return nullptr;
+  const AVInputFormat* format = av_find_input_format(name.c_str());
+  if (format == nullptr) throw Error(ErrorKind::kInvalidArgument, "no input format is called '" + name + "'");
+  return format;
+}
+
+std::string why_not(int code) {
+  if (code == AVERROR_INVALIDDATA) return "not a video in a known format, or cut short";
+  if (code == AVERROR_EOF) return "the file is cut short";
+  return error_text(code);
+}
+
+/// Text files pass for "ANSI art" by their name.
+bool is_text(const AVInputFormat& format) {
+  return std::strcmp(format.name, "tty") == 0;
+}
+
+bool has_picture(const AVStream& stream) {
+  return stream.codecpar->codec_type == AVMEDIA_TYPE_VIDEO &&
+         (stream.disposition & AV_DISPOSITION_ATTACHED_PIC) == 0;
+}
+
+}  // namespace
+
+bool reads_pictures(const AVInputFormat& format) {
+  const std::string name = format.name;
+  return name == "image2" || name.ends_with("_pipe");
+}
+
+Demuxer::Demuxer(const std::string& input, const ReadOptions& options)
+    : cannot_read_(knotreel::cannot_read(input, "video")),
+      name_(input == "-" ? "standard input" : "'" + input + "'"),
+      copy_(options.copy_streams) {
+  check_file(input, cannot_read_);
+  open(input, options);
+  const int found = avformat_find_stream_info(format_.get(), nullptr);
+  if (found < 0) throw Error(ErrorKind::kInput, cannot_read_ + why_not(found));
+  choose_video();
+  discard_others();
+}
+
+void Demuxer::open(const std::string& input, const ReadOptions& options) {
+  Options dictionary;
+  for (const auto& [key, value] : options.demuxer_options) dictionary.set(key, value);
+  const AVInputFormat* forced = forced_format(options.format);
+  AVFormatContext* opened = allocated(avformat_alloc_context());
+  const int result = avformat_open_input(&opened, url_of(input).c_str(), forced, dictionary.get());
+  if (result < 0) throw Error(ErrorKind::kInput, cannot_read_ + why_not(result));
+  format_.reset(opened);
+  if (forced == nullptr && is_text(*opened->iformat)) {
+    throw Error(ErrorKind::kInput, cannot_read_ + why_not(AVERROR_INVALIDDATA));
+  }
+  if (const std::string unused = dictionary.unused(); !unused.empty()) {
+    throw Error(ErrorKind::kInvalidArgument,
+                "input format '" + std::string(opened->iformat->name) + "' has no option '" + unused + "'");
+  }
+}
+
+void Demuxer::choose_video() {
+  const int best = av_find_best_stream(format_.get(), AVMEDIA_TYPE_VIDEO, -1, -1, nullptr, 0);
+  if (best >= 0 && has_picture(*format_->streams[best])) video_ = best;
+  for (unsigned i = 0; i < format_->nb_streams && video_ < 0; ++i) {
+    if (has_picture(*format_->streams[i])) video_ = int(i);
+  }
+  if (video_ < 0) throw Error(ErrorKind::kInput, name_ + " has no video stream");
+}
+
+void Demuxer::discard_others() {
+  for (unsigned i = 0; i < format_->nb_streams; ++i) {
+    if (int(i) != video_ && !copied(int(i))) format_->streams[i]->discard = AVDISCARD_ALL;
+  }
+}
+
+bool Demuxer::copied(int stream) const {
+  if (!copy_ || stream == video_) return false;
+  const AVStream& candidate = *format_->streams[stream];
+  // What libav discards by itself are the texts of chapters, which are copied as chapters.
+  if (candidate.discard == AVDISCARD_ALL) return false;
+  const AVMediaType type = candidate.codecpar->codec_type;
+  return type == AVMEDIA_TYPE_AUDIO || type == AVMEDIA_TYPE_SUBTITLE || type == AVMEDIA_TYPE_DATA ||
+         type == AVMEDIA_TYPE_ATTACHMENT;
+}
+
+int Demuxer::other_videos() const {
+  int count = 0;
+  for (unsigned i = 0; i < format_->nb_streams; ++i) {
+    if (int(i) != video_ && has_picture(*format_->streams[i])) ++count;
+  }
+  return count;
+}
+
+PacketPtr Demuxer::read(std::string& why) {
+  PacketPtr packet = new_packet();
+  for (;;) {
+    const int result = av_read_frame(format_.get(), packet.get());
+    if (result == AVERROR(EAGAIN)) continue;
+    if (result < 0) {
+      const bool broken = result != AVERROR_EOF || (format_->pb != nullptr && format_->pb->error < 0);
+      if (broken)
+        why = result == AVERROR_INVALIDDATA || result == AVERROR_EOF ? "cut short or damaged"
+                                                                     : error_text(result);
+      return {};
+    }
+    // Streams may turn up late, when everything has been set up without them.
+    if (packet->stream_index == video_ || copied(packet->stream_index)) return packet;
+    av_packet_unref(packet.get());
+  }
+}
+
+}  // namespace knotreel::video

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "knotreel/video/reader.h"
+#include "libav.h"
+
+namespace knotreel::video {
+
+/// An opened container with its video stream chosen. The streams that are neither the video nor copied are
+/// discarded by libav.
+class Demuxer {
+ public:
+  /// @throws Error{kInput} if it cannot be opened or has no video stream, Error{kInvalidArgument} for an
+  /// unknown format or option.
+  Demuxer(const std::string& input, const ReadOptions& options);
+
+  AVFormatContext* format() const { return format_.get(); }
+  AVStream* video() const { return format_->streams[video_]; }
+  int video_index() const { return video_; }
+  bool copied(int stream) const;
+  /// Other video streams, which are left out.
+  int other_videos() const;
+
+  /// The next packet of the video or of a copied stream; null at the end.
+  /// @param why  set to what ended the file early; empty otherwise.
+  PacketPtr read(std::string& why);
+
+  /// "cannot read video 'x': " or the same for standard input.
+  const std::string& cannot_read() const { return cannot_read_; }
+
+ private:
+  struct Closer {
+    void operator()(AVFormatContext* p) const { avformat_close_input(&p); }
+  };
+  void open(const std::string& input, const ReadOptions& options);
+  void choose_video();
+  void discard_others();
+
+  std::string cannot_read_, name_;
+  std::unique_ptr<AVFormatContext, Closer> format_;
+  int video_ = -1;
+  bool copy_ = false;
+};
+
+/// Name of the demuxer's kind for single pictures, such as png_pipe.
+bool reads_pictures(const AVInputFormat& format);
+
+}  // namespace knotreel::video

@@ -1,0 +1,197 @@
+#include "encoder_choice.h"
+
+#include <algorithm>
+#include <array>
+#include <vector>
+
+#include "colour_rules.h"
+#include "knotreel/base/error.h"
+
+namespace knotreel::video {
+namespace {
+
+/// Encoders that are known to do well, and the quality that looks like the source at a sane size.
+struct Known {
+  const char* codec;
+  const char* encoder;
+  double crf;
+};
+constexpr std::array kKnown = {Known{"h264", "libx264", 18},    Known{"hevc", "libx265", 20},
+                               Known{"vp9", "libvpx-vp9", 24},  Known{"vp8", "libvpx", 8},
+                               Known{"av1", "libaom-av1", 24},  Known{"ffv1", "ffv1", -1},
+                               Known{"prores", "prores_ks", -1}};
+
+std::string names_of_encoders() {
+  std::string names;
+  for (const Known& known : kKnown) {
+    if (avcodec_find_encoder_by_name(known.encoder) == nullptr) continue;
+    names += (names.empty() ? "" : ", ") + std::string(known.codec);
+  }
+  return names;
+}
+
+const AVCodec* by_name(const std::string& codec) {
+  for (const Known& known : kKnown) {
+    if (codec == known.codec || codec == known.encoder) return avcodec_find_encoder_by_name(known.encoder);
+  }
+  if (const AVCodec* encoder = avcodec_find_encoder_by_name(codec.c_str())) return encoder;
+  const AVCodecDescriptor* description = avcodec_descriptor_get_by_name(codec.c_str());
+  return description == nullptr ? nullptr : avcodec_find_encoder(description->id);
+}
+
+const AVCodec* default_of(const AVOutputFormat& container) {
+  const std::string name = container.name;
+  if (name == "matroska" || name == "mp4" || name == "mov" || name == "nut" || name == "mpegts" ||
+      name == "flv" || name == "m4v") {
+    return by_name("h264");
+  }
+  if (name == "webm") return by_name("vp9");
+  return avcodec_find_encoder(container.video_codec);
+}
+
+bool lossless_rgb(const AVCodec& encoder) {
+  return encoder.id == AV_CODEC_ID_FFV1 || encoder.id == AV_CODEC_ID_RAWVIDEO;
+}
+
+/// A format to be near to, for sources whose format is not told.
+AVPixelFormat likely_source(const AVCodec& encoder, const StreamInfo& frames) {
+  const bool deep = frames.depth > 8, alpha = frames.channels % 2 == 0;
+  if (frames.channels == 1) return deep ? AV_PIX_FMT_GRAY16 : AV_PIX_FMT_GRAY8;
+  if (frames.channels == 2) return deep ? AV_PIX_FMT_YA16 : AV_PIX_FMT_YA8;
+  if (lossless_rgb(encoder)) {
+    if (alpha) return deep ? AV_PIX_FMT_RGBA64 : AV_PIX_FMT_RGBA;
+    return deep ? AV_PIX_FMT_RGB48 : AV_PIX_FMT_RGB24;
+  }
+  if (alpha) return deep ? AV_PIX_FMT_YUVA420P10 : AV_PIX_FMT_YUVA420P;
+  return deep ? AV_PIX_FMT_YUV420P10 : AV_PIX_FMT_YUV420P;
+}
+
+bool can_be_packed(AVPixelFormat format) {
+  const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
+  constexpr int kNever = AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BAYER |
+                         AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BITSTREAM;
+  return (description.flags & kNever) == 0 && description.comp[0].depth <= 16 &&
+         (is_rgb(description) || is_grey(description) || description.comp[0].depth >= 8);
+}
+
+AVPixelFormat source_format(const AVCodec& encoder, const StreamInfo& frames) {
+  const AVPixelFormat named = av_get_pix_fmt(frames.pixel_format.c_str());
+  if (named == AV_PIX_FMT_NONE) return likely_source(encoder, frames);
+  const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(named);
+  // Palettes are resolved, and a picture with other channels than its name says has been made over.
+  if (named == AV_PIX_FMT_PAL8) return frames.channels == 4 ? AV_PIX_FMT_BGRA : AV_PIX_FMT_RGB24;
+  if (channels_of(description) != frames.channels) return likely_source(encoder, frames);
+  return can_be_packed(named) ? without_range(named) : likely_source(encoder, frames);
+}
+
+/// Formats of containers without an encoder's own list.
+std::vector<AVPixelFormat> y4m_formats() {
+  return {AV_PIX_FMT_YUV420P,   AV_PIX_FMT_YUV422P,   AV_PIX_FMT_YUV444P,   AV_PIX_FMT_YUV411P,
+          AV_PIX_FMT_GRAY8,     AV_PIX_FMT_GRAY10,    AV_PIX_FMT_GRAY12,    AV_PIX_FMT_GRAY16,
+          AV_PIX_FMT_YUV420P10, AV_PIX_FMT_YUV422P10, AV_PIX_FMT_YUV444P10, AV_PIX_FMT_YUV420P12,
+          AV_PIX_FMT_YUV422P12, AV_PIX_FMT_YUV444P12, AV_PIX_FMT_YUV420P16, AV_PIX_FMT_YUV422P16,
+          AV_PIX_FMT_YUV444P16};
+}
+
+bool fits_size(const AVCodec& encoder, AVPixelFormat format, const StreamInfo& frames) {
+  const std::string name = encoder.name;
+  if (name != "libx264" && name != "libx265" && name != "libsvtav1") return true;
+  const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
+  if (is_rgb(description) || is_grey(description)) return true;
+  return frames.width % (1 << description.log2_chroma_w) == 0 &&
+         frames.height % (1 << description.log2_chroma_h) == 0;
+}
+
+std::vector<AVPixelFormat> candidates(const AVCodec& encoder, const StreamInfo& frames) {
+  std::vector<AVPixelFormat> all;
+  if (encoder.id == AV_CODEC_ID_WRAPPED_AVFRAME) {
+    all = y4m_formats();
+  } else if (encoder.pix_fmts == nullptr) {
+    all = {source_format(encoder, frames)};
+  } else {
+    for (const AVPixelFormat* p = encoder.pix_fmts; *p != AV_PIX_FMT_NONE; ++p) all.push_back(*p);
+  }
+  std::erase_if(all, [&](AVPixelFormat format) {
+    // Ranges are told beside the format, except to encoders that know no other way.
+    const bool twin = std::find(all.begin(), all.end(), without_range(format)) != all.end();
+    return !can_be_packed(format) || !fits_size(encoder, format, frames) ||
+           (without_range(format) != format && twin);
+  });
+  return all;
+}
+
+AVPixelFormat named_format(const AVCodec& encoder, const StreamInfo& frames,
+                           const std::vector<AVPixelFormat>& all, const std::string& wanted) {
+  const AVPixelFormat format = av_get_pix_fmt(wanted.c_str());
+  if (format == AV_PIX_FMT_NONE) {
+    throw Error(ErrorKind::kInvalidArgument, "no pixel format is called '" + wanted + "'");
+  }
+  const bool any = encoder.pix_fmts == nullptr && encoder.id != AV_CODEC_ID_WRAPPED_AVFRAME;
+  if (any && can_be_packed(format)) return format;
+  if (std::find(all.begin(), all.end(), format) != all.end()) return format;
+  std::string names;
+  for (const AVPixelFormat p : all)
+    names += (names.empty() ? "" : ", ") + std::string(av_get_pix_fmt_name(p));
+  throw Error(ErrorKind::kInvalidArgument, std::string("encoder '") + encoder.name +
+                                               "' has no pixel format '" + wanted + "' at " +
+                                               std::to_string(frames.width) + "x" +
+                                               std::to_string(frames.height) + "; there are " + names);
+}
+
+}  // namespace
+
+const AVCodec* choose_encoder(const std::string& codec, const AVOutputFormat& container) {
+  const AVCodec* encoder = codec.empty() ? default_of(container) : by_name(codec);
+  if (encoder != nullptr && encoder->type == AVMEDIA_TYPE_VIDEO) return encoder;
+  const std::string what = codec.empty()
+                               ? std::string("container '") + container.name + "' has no video encoder"
+                               : "no encoder for '" + codec + "'";
+  throw Error(ErrorKind::kInvalidArgument, what + "; there are " + names_of_encoders());
+}
+
+AVPixelFormat choose_pixel_format(const AVCodec& encoder, const StreamInfo& frames,
+                                  const std::string& wanted) {
+  std::vector<AVPixelFormat> all = candidates(encoder, frames);
+  if (!wanted.empty()) return named_format(encoder, frames, all, wanted);
+  if (all.empty()) {
+    throw Error(ErrorKind::kInvalidArgument, std::string("encoder '") + encoder.name + "' cannot encode " +
+                                                 std::to_string(frames.width) + "x" +
+                                                 std::to_string(frames.height));
+  }
+  all.push_back(AV_PIX_FMT_NONE);
+  int loss = 0;
+  const bool alpha = frames.channels % 2 == 0;
+  return avcodec_find_best_pix_fmt_of_list(all.data(), source_format(encoder, frames), alpha, &loss);
+}
+
+void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOptions& options) {
+  const std::string name = encoder.codec->name;
+  encoder.thread_count = options.threads;
+  double crf = options.crf;
+  for (const Known& known : kKnown) {
+    if (name == known.encoder && crf < 0) crf = known.crf;
+  }
+  if (crf >= 0) dictionary.set("crf", std::to_string(crf));
+  // Constant quality, not a rate, is what these two do only at a rate of zero.
+  if (name == "libvpx-vp9" || name == "libaom-av1") encoder.bit_rate = 0;
+  if (name == "libvpx") encoder.bit_rate = 100'000'000;
+  const bool aom = name == "libaom-av1", vpx = name == "libvpx-vp9" || name == "libvpx";
+  if (aom) dictionary.set("cpu-used", options.preset.empty() ? "6" : options.preset);
+  if (vpx) dictionary.set("cpu-used", options.preset.empty() ? "2" : options.preset);
+  if (aom || name == "libvpx-vp9") dictionary.set("row-mt", "1");
+  if (!aom && !vpx && !options.preset.empty()) dictionary.set("preset", options.preset);
+  if (name == "libx265") {
+    const std::string pools = options.threads > 0 ? ":pools=" + std::to_string(options.threads) : "";
+    dictionary.set("x265-params", "log-level=none" + pools);
+  }
+  if (name == "mpeg4" || name == "mpeg2video" || name == "mjpeg") {
+    encoder.flags |= AV_CODEC_FLAG_QSCALE;
+    encoder.global_quality = int((crf < 0 ? 2 : crf) * FF_QP2LAMBDA);
+  }
+  if (name == "ffv1") {
+    encoder.gop_size = 1;
+    encoder.level = 3;
+  }
+}
+
+}  // namespace knotreel::video

@@ -1,0 +1,166 @@
+extern "C" {
+#include <libavutil/opt.h>
+}
+
+#include <cstring>
+
+#include "copied_streams.h"
+#include "knotreel/base/error.h"
+#include "knotreel/video/reader.h"
+#include "output_io.h"
+#include "sink.h"
+#include "video_encoder.h"
+
+namespace knotreel::video {
+namespace {
+
+const AVOutputFormat& choose_container(const std::string& output, const std::string& wanted) {
+  const std::string name = wanted.empty() && output == "-" ? "matroska" : wanted;
+  const AVOutputFormat* format = name.empty() ? av_guess_format(nullptr, output.c_str(), nullptr)
+                                              : av_guess_format(name.c_str(), nullptr, nullptr);
+  if (format == nullptr && name.empty()) {
+    throw Error(ErrorKind::kInvalidArgument,
+                "'" + output + "' has no extension of a video container, such as .mp4");
+  }
+  if (format == nullptr) throw Error(ErrorKind::kInvalidArgument, "no container is called '" + name + "'");
+  if ((format->flags & AVFMT_NOFILE) != 0) {
+    throw Error(ErrorKind::kInvalidArgument,
+                "container '" + std::string(format->name) + "' is not one file, and cannot be written");
+  }
+  return *format;
+}
+
+bool has_option(const AVOutputFormat& container, const char* name) {
+  const AVClass* options = container.priv_class;
+  return options != nullptr && av_opt_find(&options, name, nullptr, 0, AV_OPT_SEARCH_FAKE_OBJ) != nullptr;
+}
+
+/// A container file with one encoded video stream and copied others.
+class FileSink : public Sink {
+ public:
+  FileSink(const std::string& output, const StreamInfo& frames, const WriteOptions& options,
+           const VideoReader* copied)
+      : start_(frames.start),
+        unit_(to_av(frames.time_base)),
+        container_(choose_container(output, options.container)),
+        encoder_(frames, options, container_),
+        io_(output) {
+    AVFormatContext* made = nullptr;
+    if (avformat_alloc_output_context2(&made, &container_, nullptr, nullptr) < 0) throw std::bad_alloc();
+    muxer_.reset(made);
+    muxer_->pb = io_.context();
+    muxer_->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
+    make_video_stream(frames);
+    if (copied != nullptr) copy_from(*copied->state().source);
+    write_header();
+  }
+
+  void write(const image::Image& image, std::int64_t pts, std::int64_t duration) override {
+    encoder_.write(image, pts, duration, warnings, receiver());
+  }
+
+  void write_packet(const Packet& packet) override {
+    const PacketPtr prepared = copied_.prepare(packet, start_, unit_, *muxer_);
+    if (prepared) check(av_interleaved_write_frame(muxer_.get(), prepared.get()));
+  }
+
+  void finish() override {
+    encoder_.finish(receiver());
+    check(av_write_trailer(muxer_.get()));
+    io_.commit();
+  }
+
+  std::string codec() const override { return avcodec_get_name(encoder_.context().codec_id); }
+  std::string pixel_format() const override { return av_get_pix_fmt_name(encoder_.context().pix_fmt); }
+
+ private:
+  struct Deleter {
+    void operator()(AVFormatContext* p) const {
+      p->pb = nullptr;  // not libav's own
+      avformat_free_context(p);
+    }
+  };
+
+  AVStream& video() const { return *muxer_->streams[0]; }
+
+  VideoEncoder::Receiver receiver() {
+    return [this](AVPacket& packet) {
+      packet.stream_index = 0;
+      av_packet_rescale_ts(&packet, encoder_.time_base(), video().time_base);
+      check(av_interleaved_write_frame(muxer_.get(), &packet));
+    };
+  }
+
+  /// @throws what the file threw, or an error of libav's
+  void check(int result) const {
+    io_.rethrow();
+    if (result == AVERROR(ENOMEM)) throw std::bad_alloc();
+    if (result < 0) throw Error(ErrorKind::kOutput, "cannot write " + io_.name() + ": " + error_text(result));
+  }
+
+  void make_video_stream(const StreamInfo& frames) {
+    AVStream* stream = allocated(avformat_new_stream(muxer_.get(), nullptr));
+    if (avcodec_parameters_from_context(stream->codecpar, &encoder_.context()) < 0) throw std::bad_alloc();
+    stream->time_base = encoder_.time_base();
+    stream->sample_aspect_ratio = to_av(frames.sample_aspect);
+    if (frames.frame_rate.known()) stream->avg_frame_rate = stream->r_frame_rate = to_av(frames.frame_rate);
+    const AVPixFmtDescriptor* format = av_pix_fmt_desc_get(encoder_.context().pix_fmt);
+    if ((format->flags & AV_PIX_FMT_FLAG_ALPHA) != 0) av_dict_set(&stream->metadata, "alpha_mode", "1", 0);
+    if (!frames.display_matrix.empty()) keep_rotation(*stream, frames.display_matrix);
+  }
+
+  void keep_rotation(AVStream& stream, const std::vector<std::byte>& matrix) {
+    if (!has_option(container_, "video_track_timescale")) {
+      warnings.add("container '" + std::string(container_.name) +
+                   "' does not keep the rotation of the picture");
+      return;
+    }
+    auto* bytes = av_stream_new_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, matrix.size());
+    std::memcpy(allocated(bytes), matrix.data(), matrix.size());
+  }
+
+  void copy_from(const Source& source) {
+    AVDictionary* own = nullptr;
+    av_dict_copy(&own, video().metadata, 0);
+    copy_video_properties(source, video());
+    av_dict_copy(&video().metadata, own, 0);
+    av_dict_free(&own);
+    copied_.make(source, *muxer_, warnings);
+  }
+
+  void write_header() {
+    const AVCodecID codec = encoder_.context().codec_id;
+    Options options;
+    if (has_option(container_, "video_track_timescale")) {
+      // Ticks as fine as the source's, also where the tracks begin.
+      const std::string ticks = std::to_string(encoder_.time_base().den);
+      options.set("video_track_timescale", ticks);
+      options.set("movie_timescale", ticks);
+      if (!io_.seekable()) options.set("movflags", "frag_keyframe+delay_moov+default_base_moof");
+    }
+    const int result = avformat_write_header(muxer_.get(), options.get());
+    io_.rethrow();
+    if (result < 0) {
+      throw Error(ErrorKind::kInvalidArgument, std::string("container '") + container_.name +
+                                                   "' does not take " + avcodec_get_name(codec) +
+                                                   " video: " + error_text(result));
+    }
+  }
+
+  std::int64_t start_;
+  AVRational unit_;
+  const AVOutputFormat& container_;
+  VideoEncoder encoder_;
+  OutputIo io_;
+  std::unique_ptr<AVFormatContext, Deleter> muxer_;
+  CopiedStreams copied_;
+};
+
+}  // namespace
+
+std::unique_ptr<Sink> make_file_sink(const std::string& output, const StreamInfo& frames,
+                                     const WriteOptions& options, const VideoReader* copied) {
+  return std::make_unique<FileSink>(output, frames, options, copied);
+}
+
+}  // namespace knotreel::video

@@ -1,0 +1,40 @@
+#pragma once
+
+#include <memory>
+
+#include "knotreel/image/image.h"
+#include "libav.h"
+
+struct SwsContext;
+
+namespace knotreel::video {
+
+/// Turns decoded frames into Images of one size and number of channels. RGB, palettes and grey of the right
+/// size are taken over exactly; everything else goes through swscale at 16 bits. One thread at a time.
+class FrameToImage {
+ public:
+  FrameToImage(int width, int height, int channels) : width_(width), height_(height), channels_(channels) {}
+  ~FrameToImage();
+  FrameToImage(const FrameToImage&) = delete;
+  FrameToImage& operator=(const FrameToImage&) = delete;
+
+  /// @throws Error{kInput} if swscale does not know the format.
+  image::Image convert(const AVFrame& frame);
+
+  /// The same, always by swscale.
+  image::Image scaled(const AVFrame& frame);
+
+ private:
+  void prepare(const AVFrame& frame);
+
+  int width_, height_, channels_;
+  SwsContext* scaler_ = nullptr;
+  // What the scaler was made for.
+  int from_width_ = 0, from_height_ = 0, from_format_ = -1, from_matrix_ = 0, from_place_ = 0;
+  bool from_full_ = false;
+};
+
+/// A picture of another size, by the same scaler.
+image::Image resized(const image::Image& image, int width, int height);
+
+}  // namespace knotreel::video

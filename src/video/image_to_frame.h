@@ -1,0 +1,19 @@
+#pragma once
+
+#include "knotreel/image/image.h"
+#include "knotreel/video/stream_info.h"
+#include "libav.h"
+
+namespace knotreel::video {
+
+/// An Image in a pixel format of libav, rounded to nearest without dither: what came exactly from RGB or grey
+/// goes back exactly. Chroma is the mean of its pixels, about the place that the tags tell. Colours without a
+/// place in the format are lost: grey formats take luma, formats without alpha drop it.
+/// @param coded_height  decides on an unknown matrix.
+FramePtr packed_frame(const image::Image& image, AVPixelFormat format, const ColourTags& colour,
+                      int coded_height);
+
+/// The picture with other channels: like widen_channels, and the other way by luma and by dropping alpha.
+image::Image with_channels(const image::Image& image, int channels);
+
+}  // namespace knotreel::video

@@ -1,0 +1,59 @@
+#include "libav.h"
+
+#include <limits>
+
+#include "knotreel/video/packet.h"
+
+namespace knotreel::video {
+
+std::string Options::unused() const {
+  const AVDictionaryEntry* entry = av_dict_get(dictionary_, "", nullptr, AV_DICT_IGNORE_SUFFIX);
+  return entry == nullptr ? std::string() : entry->key;
+}
+
+void silence_libav() {
+  static const bool once = [] {
+    av_log_set_level(AV_LOG_QUIET);
+    av_log_set_callback([](void*, int, const char*, va_list) {});
+    return true;
+  }();
+  (void)once;
+}
+
+std::string error_text(int code) {
+  char text[AV_ERROR_MAX_STRING_SIZE] = {};
+  av_strerror(code, text, sizeof text);
+  return text;
+}
+
+AVRational to_av(const Rational& value) {
+  AVRational result{0, 1};
+  av_reduce(&result.num, &result.den, value.num, value.den, std::numeric_limits<int>::max());
+  return result;
+}
+
+Rational from_av(AVRational value) {
+  if (value.num <= 0 || value.den <= 0) return {};
+  return {value.num, value.den};
+}
+
+int Packet::stream() const {
+  const auto* copied = static_cast<const CopiedPacket*>(impl());
+  return copied == nullptr ? -1 : copied->packet->stream_index;
+}
+
+std::span<const std::byte> Packet::bytes() const {
+  const auto* copied = static_cast<const CopiedPacket*>(impl());
+  if (copied == nullptr) return {};
+  return std::as_bytes(std::span(copied->packet->data, std::size_t(copied->packet->size)));
+}
+
+double Packet::seconds() const {
+  const auto* copied = static_cast<const CopiedPacket*>(impl());
+  if (copied == nullptr || copied->packet->pts == AV_NOPTS_VALUE) {
+    return std::numeric_limits<double>::quiet_NaN();
+  }
+  return double(copied->packet->pts) * av_q2d(copied->time_base);
+}
+
+}  // namespace knotreel::video

@@ -1,0 +1,78 @@
+#pragma once
+
+extern "C" {
+#include <libavcodec/avcodec.h>
+#include <libavformat/avformat.h>
+#include <libavutil/avutil.h>
+#include <libavutil/frame.h>
+#include <libavutil/pixdesc.h>
+}
+
+#include <memory>
+#include <string>
+
+#include "knotreel/video/stream_info.h"
+
+/// libav's objects as owners, and small translations.
+namespace knotreel::video {
+
+struct LibavDeleter {
+  void operator()(AVFrame* p) const { av_frame_free(&p); }
+  void operator()(AVPacket* p) const { av_packet_free(&p); }
+  void operator()(AVCodecContext* p) const { avcodec_free_context(&p); }
+};
+using FramePtr = std::unique_ptr<AVFrame, LibavDeleter>;
+using PacketPtr = std::unique_ptr<AVPacket, LibavDeleter>;
+using CodecPtr = std::unique_ptr<AVCodecContext, LibavDeleter>;
+
+/// An allocation of libav that must not be null. @throws std::bad_alloc
+template <typename T>
+T* allocated(T* pointer) {
+  if (pointer == nullptr) throw std::bad_alloc();
+  return pointer;
+}
+
+inline FramePtr new_frame() {
+  return FramePtr(allocated(av_frame_alloc()));
+}
+inline PacketPtr new_packet() {
+  return PacketPtr(allocated(av_packet_alloc()));
+}
+
+/// A dictionary of options.
+class Options {
+ public:
+  Options() = default;
+  ~Options() { av_dict_free(&dictionary_); }
+  Options(const Options&) = delete;
+  Options& operator=(const Options&) = delete;
+
+  void set(const std::string& key, const std::string& value) {
+    av_dict_set(&dictionary_, key.c_str(), value.c_str(), 0);
+  }
+  /// For libav, which takes out what it has used.
+  AVDictionary** get() { return &dictionary_; }
+  /// Name of an option that nobody has used; empty if there is none.
+  std::string unused() const;
+
+ private:
+  AVDictionary* dictionary_ = nullptr;
+};
+
+/// Stops libav from printing; of effect for the process, from the first call on.
+void silence_libav();
+
+/// What a negative result of libav means, in words.
+std::string error_text(int code);
+
+AVRational to_av(const Rational& value);
+/// Unknown and meaningless values become 0/1.
+Rational from_av(AVRational value);
+
+/// A packet of a copied stream, with the time base that its times are in.
+struct CopiedPacket {
+  PacketPtr packet;
+  AVRational time_base;
+};
+
+}  // namespace knotreel::video

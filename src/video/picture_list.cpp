@@ -1,0 +1,152 @@
+#include "picture_list.h"
+
+#include <fnmatch.h>
+
+#include <algorithm>
+#include <cctype>
+#include <filesystem>
+
+#include "knotreel/base/error.h"
+#include "knotreel/base/input_file.h"
+
+namespace knotreel::video {
+namespace fs = std::filesystem;
+
+namespace {
+
+bool is_digit(char c) {
+  return std::isdigit(static_cast<unsigned char>(c)) != 0;
+}
+
+/// A run of digits without leading zeros, and where it ends.
+std::string digits_at(const std::string& text, std::size_t& at) {
+  while (at < text.size() && text[at] == '0') ++at;
+  const std::size_t start = at;
+  while (at < text.size() && is_digit(text[at])) ++at;
+  return text.substr(start, at - start);
+}
+
+bool is_picture_name(const std::string& name) {
+  static const char* const kExtensions[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp",
+                                            ".pbm", ".pgm", ".ppm",  ".pnm", ".pam",  ".pfm",  ".tga",
+                                            ".dpx", ".exr", ".jp2",  ".sgi", ".gif"};
+  std::string extension = fs::path(name).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  return std::find(std::begin(kExtensions), std::end(kExtensions), extension) != std::end(kExtensions);
+}
+
+bool has_wildcard(const std::string& name) {
+  return name.find_first_of("*?[") != std::string::npos;
+}
+
+std::vector<std::string> names_in(const fs::path& folder, const std::string& input) {
+  std::error_code error;
+  std::vector<std::string> names;
+  for (fs::directory_iterator it(folder.empty() ? "." : folder, error), end; !error && it != end;
+       it.increment(error)) {
+    std::error_code ignored;
+    const std::string name = it->path().filename().string();
+    if (!name.starts_with('.') && !it->is_directory(ignored)) names.push_back(name);
+  }
+  if (error) throw Error(ErrorKind::kInput, cannot_read(input, "pictures") + error.message());
+  return names;
+}
+
+std::optional<std::uint64_t> number_in(const NumberPattern& pattern, const std::string& name) {
+  const std::size_t around = pattern.before.size() + pattern.after.size();
+  if (name.size() <= around || !name.starts_with(pattern.before) || !name.ends_with(pattern.after)) return {};
+  const std::string digits = name.substr(pattern.before.size(), name.size() - around);
+  if (digits.size() > 18 || !std::all_of(digits.begin(), digits.end(), is_digit)) return {};
+  const std::uint64_t number = std::stoull(digits);
+  // As printf would write it: so that %d does not take frame_0001 and frame_1 at once.
+  if (pattern.name(number) != name) return {};
+  return number;
+}
+
+std::vector<std::string> numbered(const std::vector<std::string>& names, const NumberPattern& pattern) {
+  std::vector<std::pair<std::uint64_t, std::string>> found;
+  for (const std::string& name : names) {
+    if (const auto number = number_in(pattern, name)) found.emplace_back(*number, name);
+  }
+  std::sort(found.begin(), found.end());
+  std::vector<std::string> result;
+  for (auto& [number, name] : found) result.push_back(std::move(name));
+  return result;
+}
+
+}  // namespace
+
+std::string NumberPattern::name(std::uint64_t number) const {
+  std::string text = std::to_string(number);
+  if (int(text.size()) < digits) text.insert(0, std::size_t(digits) - text.size(), '0');
+  return before + text + after;
+}
+
+std::optional<NumberPattern> number_pattern(const std::string& path) {
+  const std::string name = fs::path(path).filename().string();
+  NumberPattern pattern;
+  int parts = 0;
+  for (std::size_t i = 0; i < name.size(); ++i) {
+    std::string& side = parts == 0 ? pattern.before : pattern.after;
+    if (name[i] != '%') {
+      side += name[i];
+    } else if (i + 1 < name.size() && name[i + 1] == '%') {
+      side += name[++i];
+    } else {
+      std::size_t at = i + 1;
+      const std::string width = digits_at(name, at);
+      if (at >= name.size() || name[at] != 'd' || width.size() > 2 || ++parts > 1) return {};
+      pattern.digits = width.empty() ? 0 : std::stoi(width);
+      i = at;
+    }
+  }
+  if (parts != 1) return {};
+  return pattern;
+}
+
+bool means_pictures(const std::string& input) {
+  std::error_code ignored;
+  if (fs::is_directory(input, ignored)) return true;
+  if (input == "-" || fs::exists(input, ignored) || input.find("://") != std::string::npos) return false;
+  return number_pattern(input) || has_wildcard(fs::path(input).filename().string());
+}
+
+std::vector<std::string> list_pictures(const std::string& input) {
+  std::error_code ignored;
+  const bool folder = fs::is_directory(input, ignored);
+  const fs::path where = folder ? fs::path(input) : fs::path(input).parent_path();
+  std::vector<std::string> names = names_in(where, input);
+  if (const auto pattern = folder ? std::nullopt : number_pattern(input)) {
+    names = numbered(names, *pattern);
+  } else {
+    const std::string wanted = fs::path(input).filename().string();
+    std::erase_if(names, [&](const std::string& name) {
+      return folder ? !is_picture_name(name) : ::fnmatch(wanted.c_str(), name.c_str(), 0) != 0;
+    });
+    std::sort(names.begin(), names.end(), natural_less);
+  }
+  if (names.empty()) throw Error(ErrorKind::kInput, cannot_read(input, "pictures") + "there are none");
+  for (std::string& name : names) name = (where / name).string();
+  return names;
+}
+
+bool natural_less(const std::string& a, const std::string& b) {
+  std::size_t i = 0, j = 0;
+  while (i < a.size() && j < b.size()) {
+    if (is_digit(a[i]) && is_digit(b[j])) {
+      const std::string left = digits_at(a, i), right = digits_at(b, j);
+      if (left.size() != right.size()) return left.size() < right.size();
+      if (left != right) return left < right;
+    } else if (a[i] != b[j]) {
+      return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
+    } else {
+      ++i;
+      ++j;
+    }
+  }
+  if ((i < a.size()) != (j < b.size())) return j < b.size();
+  return a < b;
+}
+
+}  // namespace knotreel::video

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace knotreel::video {
+
+/// A name with one `%d` or `%0Nd` in it, taken apart.
+struct NumberPattern {
+  std::string before, after;
+  int digits = 0;  ///< least number of digits
+  std::string name(std::uint64_t number) const;
+};
+
+/// @returns none if the file name (not its folder) has not exactly one such part. `%%` stands for `%`.
+std::optional<NumberPattern> number_pattern(const std::string& path);
+
+/// Whether an input means several pictures: a folder, or, unless a file is called so, a pattern.
+bool means_pictures(const std::string& input);
+
+/// The files that an input means, in order: by number, or in natural order (a2 before a10). Folders give
+/// what has an extension of a picture; hidden files are left out.
+/// @throws Error{kInput} if there are none.
+std::vector<std::string> list_pictures(const std::string& input);
+
+/// Whether a comes before b when digits count as numbers.
+bool natural_less(const std::string& a, const std::string& b);
+
+}  // namespace knotreel::video

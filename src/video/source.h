@@ -1,0 +1,46 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "knotreel/video/reader.h"
+#include "libav.h"
+#include "warnings.h"
+
+namespace knotreel::video {
+
+/// Where frames come from: a stream of libav, or a list of pictures.
+class Source {
+ public:
+  virtual ~Source() = default;
+  virtual bool next(Frame& frame) = 0;
+  virtual std::vector<Packet> take_packets() { return {}; }
+  /// For copying streams; null if there are none.
+  virtual AVFormatContext* format() const { return nullptr; }
+  /// Number of the video stream in format().
+  virtual int video_stream() const { return -1; }
+  /// Numbers of the streams in format() whose packets are handed out.
+  virtual std::vector<int> copied_streams() const { return {}; }
+
+  const StreamInfo& info() const { return info_; }
+  const Warnings& warnings() const { return warnings_; }
+  std::uint64_t damaged() const { return damaged_; }
+
+ protected:
+  StreamInfo info_;
+  Warnings warnings_;
+  std::uint64_t damaged_ = 0;
+};
+
+/// What a VideoReader holds, and what a writer that copies its streams looks at.
+struct ReaderState {
+  std::unique_ptr<Source> source;
+};
+
+/// A file, pipe or URL; with one frame only if it is a picture.
+std::unique_ptr<Source> open_stream(const std::string& input, const ReadOptions& options);
+
+/// Pictures, one frame each.
+std::unique_ptr<Source> open_pictures(std::vector<std::string> files, const ReadOptions& options);
+
+}  // namespace knotreel::video

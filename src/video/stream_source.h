@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <utility>
+
+#include "demuxer.h"
+#include "frame_to_image.h"
+#include "source.h"
+
+namespace knotreel::video {
+
+/// Decodes a video stream, one frame ahead of what it hands out: only the next frame tells how long one
+/// lasts.
+class StreamSource : public Source {
+ public:
+  StreamSource(const std::string& input, const ReadOptions& options);
+
+  bool next(Frame& frame) override;
+  std::vector<Packet> take_packets() override { return std::exchange(packets_, {}); }
+  AVFormatContext* format() const override { return demuxer_.format(); }
+  int video_stream() const override { return demuxer_.video_index(); }
+  std::vector<int> copied_streams() const override;
+
+ private:
+  void open_decoder(int threads);
+  void describe();
+  void describe_time(const ReadOptions& options);
+  FramePtr decode();
+  FramePtr receive();
+  void feed();
+  void take_video(PacketPtr packet);
+  void damage(const std::string& why);
+  void stamp(AVFrame& frame);
+  std::int64_t duration_of(const AVFrame& frame) const;
+  void look_ahead();
+
+  Demuxer demuxer_;
+  bool strict_;
+  CodecPtr decoder_;
+  std::optional<FrameToImage> to_image_;
+  FramePtr ahead_;
+  std::vector<Packet> packets_;
+  std::uint64_t decoded_ = 0, handed_out_ = 0;
+  std::int64_t last_pts_ = AV_NOPTS_VALUE, last_duration_ = 0;
+  bool drained_ = false;
+};
+
+}  // namespace knotreel::video

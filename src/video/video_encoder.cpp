@@ -1,0 +1,117 @@
+#include "video_encoder.h"
+
+#include <algorithm>
+
+#include "colour_rules.h"
+#include "encoder_choice.h"
+#include "image_to_frame.h"
+#include "knotreel/base/error.h"
+
+namespace knotreel::video {
+namespace {
+
+/// MPEG-4 part 2 writes the time base in 16 bits.
+constexpr int kMpeg4Ticks = 65535;
+
+Error refused(const AVCodecContext& encoder, const WriteOptions& options, int code) {
+  std::string what = "encoder '" + std::string(encoder.codec->name) + "' refuses " +
+                     std::to_string(encoder.width) + "x" + std::to_string(encoder.height) + " " +
+                     av_get_pix_fmt_name(encoder.pix_fmt);
+  if (!options.preset.empty()) what += ", preset '" + options.preset + "'";
+  return Error(ErrorKind::kInvalidArgument, what + ": " + error_text(code));
+}
+
+}  // namespace
+
+VideoEncoder::VideoEncoder(const StreamInfo& frames, const WriteOptions& options,
+                           const AVOutputFormat& container)
+    : info_(frames) {
+  const AVCodec* codec = choose_encoder(options.codec, container);
+  encoder_.reset(allocated(avcodec_alloc_context3(codec)));
+  encoder_->width = frames.width;
+  encoder_->height = frames.height;
+  encoder_->pix_fmt = choose_pixel_format(*codec, frames, options.pixel_format);
+  encoder_->sample_aspect_ratio = to_av(frames.sample_aspect);
+  encoder_->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
+  if ((container.flags & AVFMT_GLOBALHEADER) != 0) encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+  set_colours();
+  set_times(container);
+  open(options);
+}
+
+void VideoEncoder::set_colours() {
+  const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(encoder_->pix_fmt);
+  const ColourTags& tags = info_.colour;
+  const bool ranged = without_range(encoder_->pix_fmt) != encoder_->pix_fmt;
+  encoder_->color_range = ranged ? AVCOL_RANGE_JPEG : AVColorRange(tags.range);
+  encoder_->color_primaries = AVColorPrimaries(tags.primaries);
+  encoder_->color_trc = AVColorTransferCharacteristic(tags.transfer);
+  encoder_->chroma_sample_location = AVChromaLocation(tags.chroma_location);
+  const bool matrix = !is_rgb(format) && tags.matrix != AVCOL_SPC_RGB;
+  encoder_->colorspace = matrix ? AVColorSpace(tags.matrix) : AVCOL_SPC_UNSPECIFIED;
+}
+
+void VideoEncoder::set_times(const AVOutputFormat& container) {
+  const AVRational rate = info_.frame_rate.known() ? to_av(info_.frame_rate) : AVRational{25, 1};
+  encoder_->framerate = rate;
+  encoder_->time_base = to_av(info_.time_base);
+  constexpr int kFree = AVFMT_VARIABLE_FPS | AVFMT_NOTIMESTAMPS;
+  const bool fixed = (container.flags & kFree) == 0;
+  const bool coarse = encoder_->codec_id == AV_CODEC_ID_MPEG4 && encoder_->time_base.den > kMpeg4Ticks;
+  if (fixed || coarse) encoder_->time_base = av_inv_q(rate);
+}
+
+void VideoEncoder::open(const WriteOptions& options) {
+  Options dictionary;
+  set_quality(*encoder_, dictionary, options);
+  const int result = avcodec_open2(encoder_.get(), encoder_->codec, dictionary.get());
+  if (result < 0) throw refused(*encoder_, options, result);
+}
+
+void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64_t duration,
+                         Warnings& warnings, const Receiver& receiver) {
+  ColourTags tags = info_.colour;
+  tags.range = encoder_->color_range;
+  const FramePtr frame = packed_frame(image, encoder_->pix_fmt, tags, info_.height);
+  frame->color_range = encoder_->color_range;
+  frame->colorspace = encoder_->colorspace;
+  frame->color_primaries = encoder_->color_primaries;
+  frame->color_trc = encoder_->color_trc;
+  frame->chroma_location = encoder_->chroma_sample_location;
+  frame->sample_aspect_ratio = encoder_->sample_aspect_ratio;
+  const AVRational from = to_av(info_.time_base), to = time_base();
+  const std::int64_t begin = pts - info_.start;
+  frame->pts = av_rescale_q(begin, from, to);
+  if (last_pts_ != AV_NOPTS_VALUE) frame->pts = std::max(frame->pts, last_pts_ + 1);
+  if (av_compare_ts(frame->pts, to, begin, from) != 0) {
+    warnings.count("frames are moved in time, because this output has a fixed rate");
+  }
+  last_pts_ = frame->pts;
+  durations_[frame->pts] = std::max<std::int64_t>(av_rescale_q(begin + duration, from, to) - frame->pts, 0);
+  send(frame.get(), receiver);
+}
+
+void VideoEncoder::finish(const Receiver& receiver) {
+  send(nullptr, receiver);
+}
+
+void VideoEncoder::send(AVFrame* frame, const Receiver& receiver) {
+  int result = avcodec_send_frame(encoder_.get(), frame);
+  const PacketPtr packet = new_packet();
+  while (result >= 0) {
+    result = avcodec_receive_packet(encoder_.get(), packet.get());
+    if (result < 0) break;
+    if (const auto found = durations_.find(packet->pts); found != durations_.end()) {
+      packet->duration = found->second;
+      durations_.erase(found);
+    }
+    receiver(*packet);
+    av_packet_unref(packet.get());
+  }
+  if (result == AVERROR(ENOMEM)) throw std::bad_alloc();
+  if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return;
+  throw Error(ErrorKind::kInternal,
+              std::string("encoder '") + encoder_->codec->name + "' failed: " + error_text(result));
+}
+
+}  // namespace knotreel::video

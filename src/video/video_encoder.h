@@ -1,0 +1,42 @@
+#pragma once
+
+#include <functional>
+#include <map>
+
+#include "knotreel/image/image.h"
+#include "knotreel/video/writer.h"
+#include "libav.h"
+#include "warnings.h"
+
+namespace knotreel::video {
+
+/// Frames to packets, with times and durations kept.
+class VideoEncoder {
+ public:
+  /// Takes the packets, whose times are in time_base().
+  using Receiver = std::function<void(AVPacket&)>;
+
+  /// @throws Error{kInvalidArgument} for what cannot be encoded so.
+  VideoEncoder(const StreamInfo& frames, const WriteOptions& options, const AVOutputFormat& container);
+
+  void write(const image::Image& image, std::int64_t pts, std::int64_t duration, Warnings& warnings,
+             const Receiver& receiver);
+  /// Gives out what the encoder still holds.
+  void finish(const Receiver& receiver);
+
+  const AVCodecContext& context() const { return *encoder_; }
+  AVRational time_base() const { return encoder_->time_base; }
+
+ private:
+  void set_colours();
+  void set_times(const AVOutputFormat& container);
+  void open(const WriteOptions& options);
+  void send(AVFrame* frame, const Receiver& receiver);
+
+  StreamInfo info_;
+  CodecPtr encoder_;
+  std::map<std::int64_t, std::int64_t> durations_;  // of frames in the encoder, by their time
+  std::int64_t last_pts_ = AV_NOPTS_VALUE;
+};
+
+}  // namespace knotreel::video
