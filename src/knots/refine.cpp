@@ -181,4 +181,25 @@ std::vector<KnotIndex> refine_features(EditableMesh& mesh, std::span<const Curve
   return inserted;
 }
 
+std::vector<bool> two_ring(const EditableMesh& mesh, const std::vector<KnotIndex>& inserted) {
+  std::vector<bool> active(mesh.knot_slots(), false);
+  std::vector<KnotIndex> front = inserted;
+  for (const KnotIndex k : inserted) active[k] = true;
+  std::vector<FaceIndex> ring;
+  for (int step = 0; step < 2; ++step) {
+    std::vector<KnotIndex> next;
+    for (const KnotIndex k : front) {
+      mesh.faces_around(k, ring);
+      for (const FaceIndex f : ring) {
+        for (const KnotIndex j : mesh.face(f)) {
+          if (!active[j]) next.push_back(j);
+          active[j] = true;
+        }
+      }
+    }
+    front = std::move(next);
+  }
+  return active;
+}
+
 }  // namespace knotreel::knots

@@ -17,6 +17,7 @@
 #include "track/carried_links.h"
 #include "track/placed_pixels.h"
 #include "track/settle.h"
+#include "track/snap.h"
 #include "track/temporal_target.h"
 
 namespace knotreel::track {
@@ -167,7 +168,8 @@ class Tracker::Impl {
     next_id_ = EditableMesh(space_->mesh()).next_id();
     settling_.clear();
     lap("measure");
-    prepare_next(picture);
+    last_psnr_ = report_->psnr;
+    prepare_next(picture, false);
   }
 
   /// Picture minus surface, with the control points as they are.
@@ -191,7 +193,11 @@ class Tracker::Impl {
   /// @return whether the carried model is good enough.
   bool make_warm(const image::Image& picture, const Motion& motion) {
     const std::vector<Vec2> points = image_positions(*basis_, displacement_, next_mesh_);
-    const std::vector<Vec2> targets = knot_targets(next_mesh_, knot_motion(points, motion));
+    std::vector<Vec2> moves = knot_motion(points, motion);
+    const std::vector<Vec2> snapped =
+        snap_to_edges(*basis_, displacement_, next_mesh_, moves, *motion.before, *motion.now);
+    for (std::size_t k = 0; k < moves.size(); ++k) moves[k] = moves[k] + snapped[k];
+    const std::vector<Vec2> targets = knot_targets(next_mesh_, moves);
     KnotMesh carried = carry_mesh(next_mesh_, targets, options_.carry, &report_->carry);
     lap("carry");
     target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
@@ -202,10 +208,19 @@ class Tracker::Impl {
     take_over(std::move(carried));
     fit(picture, wanted);
     measure(picture);
+    for (int pass = 0; pass < options_.most_repairs && report_->psnr < last_psnr_ - options_.repair_below;
+         ++pass) {
+      prepare_next(picture, true);
+      take_over(next_mesh_);
+      fit(picture, wanted);
+      measure(picture);
+      ++report_->repairs;
+    }
     report_->survival = share_alive(before, space_->mesh());
     ++group_length_;
     if (report_->psnr < group_psnr_ - options_.drift) return false;
-    prepare_next(picture);
+    last_psnr_ = report_->psnr;
+    prepare_next(picture, false);
     return true;
   }
 
@@ -232,7 +247,8 @@ class Tracker::Impl {
 
   /// The mesh that the next frame starts from: knots go a step against the gradient of the error, and those
   /// that are lost or idle come back where the error is.
-  void prepare_next(const image::Image& picture) {
+  /// @param urgent the error has risen.
+  void prepare_next(const image::Image& picture, bool urgent) {
     next_mesh_ = space_->mesh();
     if (!options_.warm_start) return;
     if (options_.settle) {
@@ -244,20 +260,21 @@ class Tracker::Impl {
       }
     }
     lap("settle");
-    refill(picture);
+    refill(picture, urgent);
     lap("refill");
   }
 
   /// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.
-  void refill(const image::Image& picture) {
+  void refill(const image::Image& picture, bool urgent) {
     if (!target_) target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
     const double functions = static_cast<double>(space_->function_count());
     const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
     const double missing = (static_cast<double>(group_functions_) - functions) / per_knot;
     EditableMesh mesh(next_mesh_, next_id_);
     const std::vector<float> errors = squared_errors();
-    const std::size_t removed = remove_idle_knots(mesh, *target_, errors, options_.swap);
-    report_->swapped = removed;
+    const std::size_t removed =
+        remove_idle_knots(mesh, *target_, errors, urgent ? options_.urgent_swap : options_.swap);
+    report_->swapped += removed;
     const double wanted = missing + static_cast<double>(removed);
     if (wanted < 1 && removed == 0) return;
     knots::RefineOptions refine;
@@ -266,7 +283,12 @@ class Tracker::Impl {
     const auto inserted =
         knots::refine_knots(mesh, errors, placed_.places, picture.width, picture.height, refine);
     next_id_ = mesh.next_id();
-    report_->inserted = inserted.size();
+    report_->inserted += inserted.size();
+    if (!inserted.empty() && options_.optimise_inserted) {
+      knots::OptimiseOptions local = cold_.optimise;
+      local.rounds = 1;
+      knots::optimise(mesh, *target_, local, knots::two_ring(mesh, inserted));
+    }
     next_mesh_ = mesh.to_mesh();
   }
 
@@ -309,6 +331,7 @@ class Tracker::Impl {
 
   int group_length_ = 0;
   double group_psnr_ = 0;
+  double last_psnr_ = 0;
   std::size_t group_functions_ = 0;
 };
 

@@ -437,7 +437,7 @@ class Run {
     if (inserted.empty()) return false;
     knots::OptimiseOptions local = options_.optimise;
     local.rounds = std::min(local.rounds, 1);  // most of the mesh is as good as it gets
-    knots::optimise(*mesh_, *target_, local, two_ring(inserted));
+    knots::optimise(*mesh_, *target_, local, knots::two_ring(*mesh_, inserted));
     lap("optimise");
     return true;
   }
@@ -467,28 +467,6 @@ class Run {
       }
     }
     return squared;
-  }
-
-  /// Knots that local optimisation may move (paper sec. 8.2): new ones and their two-ring.
-  std::vector<bool> two_ring(const std::vector<KnotIndex>& inserted) const {
-    std::vector<bool> active(mesh_->knot_slots(), false);
-    std::vector<KnotIndex> front = inserted;
-    for (const KnotIndex k : inserted) active[k] = true;
-    std::vector<FaceIndex> ring;
-    for (int step = 0; step < 2; ++step) {
-      std::vector<KnotIndex> next;
-      for (const KnotIndex k : front) {
-        mesh_->faces_around(k, ring);
-        for (const FaceIndex f : ring) {
-          for (const KnotIndex j : mesh_->face(f)) {
-            if (!active[j]) next.push_back(j);
-            active[j] = true;
-          }
-        }
-      }
-      front = std::move(next);
-    }
-    return active;
   }
 
   // -- surfaces

@@ -40,4 +40,8 @@ struct CurveError {
 std::vector<mesh::KnotIndex> refine_features(mesh::EditableMesh& mesh, std::span<const CurveError> errors,
                                              double bound, double min_distance);
 
+/// Knots that local optimisation may move after an insertion (paper sec. 8.2): new ones and their two-ring.
+/// @return by place for a knot, whether it may be moved; as optimise() takes it.
+std::vector<bool> two_ring(const mesh::EditableMesh& mesh, const std::vector<mesh::KnotIndex>& inserted);
+
 }  // namespace knotreel::knots

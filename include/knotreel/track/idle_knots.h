@@ -9,8 +9,8 @@
 namespace knotreel::track {
 
 struct SwapOptions {
-  double ratio = 4;     ///< a knot goes if the error that another one could mend is so many times its own
-  double share = 0.03;  ///< most of the knots that go at once
+  double ratio = 16;    ///< a knot goes if the error that another one could mend is so many times its own
+  double share = 0.06;  ///< most of the knots that go at once
 };
 
 /// Takes away free knots that hardly earn their place, as many as there are faces with much more error than

@@ -16,14 +16,20 @@
 namespace knotreel::track {
 
 struct TrackOptions {
-  bool warm_start = true;        ///< false: every frame is made from its picture alone
-  double temporal_weight = 0.5;  ///< of what the frame before missed, 0 to 1: keeps noise from flickering
-  int keyframe_interval = 250;   ///< most frames of a group, 1 or more
-  double scene_threshold = 0.4;  ///< as motion::CutOptions::threshold
-  double drift = 1.0;            ///< dB below the start of the group at which a new one starts
-  bool settle = true;            ///< whether knots go on descending on the true residual, a step per frame
+  bool warm_start = true;         ///< false: every frame is made from its picture alone
+  double temporal_weight = 0.5;   ///< of what the frame before missed, 0 to 1: keeps noise from flickering
+  int keyframe_interval = 250;    ///< most frames of a group, 1 or more
+  double scene_threshold = 0.4;   ///< as motion::CutOptions::threshold
+  double drift = 1.0;             ///< dB below the start of the group at which a new one starts
+  bool settle = true;             ///< whether knots go on descending on the true residual, a step per frame
+  bool optimise_inserted = true;  ///< whether the mesh around new knots is optimised
   CarryOptions carry{};
   SwapOptions swap{};
+  /// When a frame is worse than the one before by this, knots are put where the error is at once rather than
+  /// for the next frame; dB.
+  double repair_below = 0.4;
+  int most_repairs = 2;  ///< of one frame
+  SwapOptions urgent_swap{.ratio = 4, .share = 0.1};
 };
 
 /// Why a frame is as it is.
@@ -45,8 +51,9 @@ struct FrameReport {
   double psnr = 0;      ///< of the fit, dB
   double survival = 0;  ///< share of the knots of the frame before that are in this one, 0 to 1
   CarryReport carry;
-  std::size_t swapped = 0;                                   ///< knots taken away where they were idle
-  std::size_t inserted = 0;                                  ///< for those that were lost and swapped
+  std::size_t swapped = 0;   ///< knots taken away where they were idle
+  int repairs = 0;           ///< further fits, because the frame was worse than the one before
+  std::size_t inserted = 0;  ///< for those that were lost and swapped
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };
 

@@ -1,0 +1,184 @@
+#include "track/snap.h"
+
+#include <Eigen/SparseCholesky>
+#include <algorithm>
+#include <cmath>
+
+namespace knotreel::track {
+
+namespace {
+
+using mesh::KnotIndex;
+using mesh::KnotMesh;
+
+constexpr double kSpacing = 1.5;  // of samples along a curve, pixels
+constexpr double kStep = 0.5;     // of samples across it
+constexpr double kWeakest = 6;    // levels over two steps; less is no edge
+
+double luma_at(const motion::Luma& luma, Vec2 p) {
+  const double x = std::clamp(p.x - 0.5, 0.0, luma.width - 1.0);
+  const double y = std::clamp(p.y - 0.5, 0.0, luma.height - 1.0);
+  const int x0 = std::min(static_cast<int>(x), std::max(0, luma.width - 2));
+  const int y0 = std::min(static_cast<int>(y), std::max(0, luma.height - 2));
+  const int x1 = std::min(x0 + 1, luma.width - 1);
+  const int y1 = std::min(y0 + 1, luma.height - 1);
+  const auto v = [&](int i, int j) {
+    return static_cast<double>(luma.v[std::size_t(j) * std::size_t(luma.width) + std::size_t(i)]);
+  };
+  const double fx = x - x0;
+  const double fy = y - y0;
+  return (1 - fy) * ((1 - fx) * v(x0, y0) + fx * v(x1, y0)) + fy * ((1 - fx) * v(x0, y1) + fx * v(x1, y1));
+}
+
+struct Sample {
+  KnotIndex a = 0;
+  KnotIndex b = 0;
+  double t = 0;   ///< share of the way from a to b
+  Vec2 before;    ///< in the picture before
+  Vec2 position;  ///< in the new one, as far as the motion is known
+  Vec2 normal;
+  double offset = 0;  ///< along the normal
+  double weight = 0;  ///< steepness; 0: nothing found
+};
+
+/// Places of samples along all segments, in the image of the surface, moved with their ends.
+std::vector<Sample> place_samples(const spline::Basis& basis, std::span<const Vec2> displacement,
+                                  const KnotMesh& mesh, std::span<const Vec2> motion) {
+  std::vector<Sample> samples;
+  std::vector<Vec2> points;
+  for (const mesh::FeatureSegment& s : mesh.segments) {
+    const KnotIndex a = s.knots.front();
+    const KnotIndex b = s.knots.back();
+    const Vec2 from = mesh.knots[a].position;
+    const Vec2 along = mesh.knots[b].position - from;
+    const int n = std::max(3, static_cast<int>(std::lround(norm(along) / kSpacing)));
+    for (int i = 0; i <= n; ++i) {
+      Sample sample{a, b, static_cast<double>(i) / n, {}, {}, {}};
+      points.push_back(from + sample.t * along);
+      samples.push_back(sample);
+    }
+  }
+  const spline::ScatteredValues values = basis.evaluate(points);
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    Sample& s = samples[i];
+    s.before = points[i];
+    for (std::size_t j = values.begin[i]; j < values.begin[i + 1]; ++j) {
+      const spline::BasisValue& v = values.values[j];
+      s.before = s.before + v.value * displacement[basis.space().geometry_of()[v.function]];
+    }
+    s.position = s.before + (1 - s.t) * motion[s.a] + s.t * motion[s.b];
+  }
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const bool first = i == 0 || samples[i - 1].a != samples[i].a || samples[i - 1].b != samples[i].b;
+    const bool last =
+        i + 1 == samples.size() || samples[i + 1].a != samples[i].a || samples[i + 1].b != samples[i].b;
+    const Vec2 d = samples[last ? i : i + 1].position - samples[first ? i : i - 1].position;
+    const double length = norm(d);
+    if (length > 0) samples[i].normal = {-d.y / length, d.x / length};
+  }
+  return samples;
+}
+
+/// Slope of the luma along a normal, levels over two steps.
+double slope_at(const motion::Luma& luma, Vec2 p, Vec2 normal) {
+  return luma_at(luma, p + kStep * normal) - luma_at(luma, p + (-kStep) * normal);
+}
+
+/// The place along the normal with a slope most like the one before, nearer ones preferred.
+void find_edge(const motion::Luma& before, const motion::Luma& now, const SnapOptions& options, Sample& s) {
+  double known = 0;
+  for (const double d : {-0.5, 0.0, 0.5}) {
+    const double slope = slope_at(before, s.before + d * s.normal, s.normal);
+    if (std::abs(slope) > std::abs(known)) known = slope;
+  }
+  if (std::abs(known) < kWeakest) return;
+  const int reach = static_cast<int>(std::lround(options.reach / kStep));
+  std::vector<double> steep;
+  for (int i = -reach - 1; i <= reach + 1; ++i) {
+    const double slope = slope_at(now, s.position + (i * kStep) * s.normal, s.normal);
+    steep.push_back(known > 0 ? slope : -slope);
+  }
+  int best = -1;
+  double most = 0;
+  for (int i = 1; i + 1 < static_cast<int>(steep.size()); ++i) {
+    const auto at = static_cast<std::size_t>(i);
+    if (steep[at] < 0.5 * std::abs(known) || steep[at] < steep[at - 1] || steep[at] < steep[at + 1]) continue;
+    const double far = (i - 1 - reach) * kStep / (options.reach + 1);
+    const double value = std::min(steep[at], std::abs(known)) * (1 - 0.6 * far * far);
+    if (value <= most) continue;
+    most = value;
+    best = i;
+  }
+  if (best < 0) return;
+  const auto at = static_cast<std::size_t>(best);
+  const double bend = steep[at - 1] - 2 * steep[at] + steep[at + 1];
+  const double part = bend < 0 ? 0.5 * (steep[at - 1] - steep[at + 1]) / bend : 0;
+  s.offset = (best - 1 - reach + std::clamp(part, -0.5, 0.5)) * kStep;
+  s.weight = steep[at];
+  if (std::abs(s.offset) < options.dead_zone) s.offset = 0;
+}
+
+/// Moves of the ends that meet the offsets of the samples.
+std::vector<Vec2> solve(const std::vector<Sample>& samples, std::size_t knots, const SnapOptions& options) {
+  std::vector<int> column(knots, -1);
+  std::vector<KnotIndex> ends;
+  for (const Sample& s : samples) {
+    for (const KnotIndex k : {s.a, s.b}) {
+      if (column[k] >= 0) continue;
+      column[k] = static_cast<int>(ends.size());
+      ends.push_back(k);
+    }
+  }
+  const auto n = static_cast<Eigen::Index>(2 * ends.size());
+  std::vector<Eigen::Triplet<double>> entries;
+  Eigen::VectorXd right = Eigen::VectorXd::Zero(n);
+  const auto add = [&](int i, int j, double v) {
+    if (i >= j) entries.emplace_back(i, j, v);
+  };
+  for (const Sample& s : samples) {
+    const int a = 2 * column[s.a];
+    const int b = 2 * column[s.b];
+    const int at[4] = {a, a + 1, b, b + 1};
+    const double row[4] = {(1 - s.t) * s.normal.x, (1 - s.t) * s.normal.y, s.t * s.normal.x,
+                           s.t * s.normal.y};
+    for (int i = 0; i < 4; ++i) {
+      right[at[i]] += s.weight * row[i] * s.offset;
+      for (int j = 0; j < 4; ++j) add(at[i], at[j], s.weight * row[i] * row[j]);
+    }
+    const double stiff = options.stiffness * std::max(s.weight, kWeakest);
+    for (int i = 0; i < 2; ++i) {
+      // Against moving, and against moving apart.
+      add(a + i, a + i, 1.3 * stiff * (1 - s.t) + 1e-9);
+      add(b + i, b + i, 1.3 * stiff * s.t + 1e-9);
+      add(std::max(a, b) + i, std::min(a, b) + i, -0.5 * stiff);
+    }
+  }
+  Eigen::SparseMatrix<double> matrix(n, n);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(matrix);
+  std::vector<Vec2> moves(knots);
+  if (factor.info() != Eigen::Success) return moves;
+  const Eigen::VectorXd x = factor.solve(right);
+  for (std::size_t i = 0; i < ends.size(); ++i) {
+    Vec2 d{x[static_cast<Eigen::Index>(2 * i)], x[static_cast<Eigen::Index>(2 * i + 1)]};
+    if (norm(d) > options.reach) d = (options.reach / norm(d)) * d;
+    if (norm(d) > 0.5 * options.dead_zone) moves[ends[i]] = d;
+  }
+  return moves;
+}
+
+}  // namespace
+
+std::vector<Vec2> snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displacement,
+                                const KnotMesh& mesh, std::span<const Vec2> motion,
+                                const motion::Luma& before, const motion::Luma& now,
+                                const SnapOptions& options) {
+  std::vector<Vec2> moves(mesh.knots.size());
+  if (mesh.segments.empty()) return moves;
+  std::vector<Sample> samples = place_samples(basis, displacement, mesh, motion);
+  for (Sample& s : samples) find_edge(before, now, options, s);
+  const bool any = std::any_of(samples.begin(), samples.end(), [](const Sample& s) { return s.offset != 0; });
+  return any ? solve(samples, moves.size(), options) : moves;
+}
+
+}  // namespace knotreel::track

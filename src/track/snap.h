@@ -1,0 +1,30 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "knotreel/motion/luma.h"
+#include "knotreel/spline/basis.h"
+
+namespace knotreel::track {
+
+struct SnapOptions {
+  double reach = 2.5;       ///< how far from the carried curve an edge is looked for, pixels
+  double dead_zone = 0.25;  ///< offsets below are none, pixels
+  double stiffness =
+      0.3;  ///< of the ends of segments against moving at all and apart, relative to the samples
+};
+
+/// Pulls carried feature curves onto the edges of the new picture: along the normals of each curve the place
+/// near by is found that is as steep as the edge was before, in the same direction, and the ends of the
+/// segments move so that these offsets are met in the least-squares sense, each weighted by its steepness.
+/// @param basis, displacement the surface of the frame before, which says where segments lie in the image.
+/// @param mesh   whose segments are meant; near those of the surface.
+/// @param motion of the knots so far. @param before, now the pictures.
+/// @return what to add to the motion, by knot; zero for all but ends of segments.
+std::vector<Vec2> snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displacement,
+                                const mesh::KnotMesh& mesh, std::span<const Vec2> motion,
+                                const motion::Luma& before, const motion::Luma& now,
+                                const SnapOptions& options = {});
+
+}  // namespace knotreel::track
