@@ -15,10 +15,13 @@ using mesh::KnotMesh;
 namespace {
 
 constexpr int kMendingRounds = 8;
+constexpr int kSlowings = 4;        // of a knot, before it rests
+constexpr double kThinnest = 0.05;  // height of faces between features, which no removal can mend; pixels
 
 /// Gives segments up whose ends cannot stay inside the domain; their knots become free where nothing else
 /// holds them.
-KnotMesh without_leaving_segments(const KnotMesh& mesh, std::span<const Vec2> targets, std::size_t& dropped) {
+KnotMesh without_leaving_segments(const KnotMesh& mesh, std::span<const Vec2> targets,
+                                  std::span<const std::uint8_t> lost, std::size_t& dropped) {
   const auto leaves = [&](KnotIndex k) {
     const Vec2 p = mesh.knots[k].position;
     const Vec2 t = targets[k];
@@ -29,9 +32,12 @@ KnotMesh without_leaving_segments(const KnotMesh& mesh, std::span<const Vec2> ta
     return axis(p.x, t.x, mesh.width) || axis(p.y, t.y, mesh.height);
   };
   KnotMesh result = mesh;
-  std::erase_if(result.segments, [&](const mesh::FeatureSegment& s) {
-    return leaves(s.knots.front()) || leaves(s.knots.back());
-  });
+  result.segments.clear();
+  for (std::size_t i = 0; i < mesh.segments.size(); ++i) {
+    const auto& knots = mesh.segments[i].knots;
+    const bool given_up = (!lost.empty() && lost[i]) || leaves(knots.front()) || leaves(knots.back());
+    if (!given_up) result.segments.push_back(mesh.segments[i]);
+  }
   dropped = mesh.segments.size() - result.segments.size();
   if (dropped == 0) return result;
   std::vector<bool> held(mesh.knots.size(), false);
@@ -81,6 +87,9 @@ class Carrier {
   bool is_bad(const mesh::Face& v) const {
     const double after = height(v, true);
     if (after >= least_) return false;
+    const bool mendable =
+        std::any_of(v.begin(), v.end(), [&](KnotIndex k) { return mesh_.knot(k).kind == KnotKind::kFree; });
+    if (!mendable && after >= kThinnest) return false;
     const bool still =
         std::all_of(v.begin(), v.end(), [&](KnotIndex k) { return targets_[k] == mesh_.position(k); });
     return !still && (after <= 0.02 || after < 0.999 * height(v, false));
@@ -156,28 +165,44 @@ class Carrier {
     return norm(targets_[k] - mesh_.position(k) - (1.0 / static_cast<double>(count)) * sum);
   }
 
-  /// Lets the knots of faces stay that are still bad, segments as a whole. Ends, since what stays is sound.
+  /// Slows the knots of faces that are still bad, at last to rest. Ends, since what rests is sound.
   void hold_rest() {
-    std::vector<bool> stays(targets_.size(), false);
+    std::vector<int> slowed(targets_.size(), 0);
     for (std::vector<FaceIndex> bad = bad_faces(); !bad.empty(); bad = bad_faces()) {
+      std::vector<bool> involved(targets_.size(), false);
       for (const FaceIndex f : bad) {
-        for (const KnotIndex k : mesh_.face(f)) stays[k] = true;
+        for (const KnotIndex k : mesh_.face(f)) involved[k] = true;
       }
-      for (bool more = true; more;) {
-        more = false;
-        for (const mesh::FeatureSegment& s : mesh_.segments()) {
-          const auto held = [&](KnotIndex k) { return stays[k]; };
-          if (std::none_of(s.knots.begin(), s.knots.end(), held)) continue;
-          for (const KnotIndex k : s.knots) {
-            more = more || !stays[k];
-            stays[k] = true;
-          }
-        }
+      // Knots inside segments follow the ends.
+      for (const mesh::FeatureSegment& s : mesh_.segments()) {
+        const bool any =
+            std::any_of(s.knots.begin(), s.knots.end(), [&](KnotIndex k) { return involved[k]; });
+        if (any) involved[s.knots.front()] = involved[s.knots.back()] = true;
       }
-      for (KnotIndex k = 0; k < stays.size(); ++k) {
-        if (!stays[k] || targets_[k] == mesh_.position(k)) continue;
-        targets_[k] = mesh_.position(k);
-        ++report_.held;
+      for (KnotIndex k = 0; k < involved.size(); ++k) {
+        if (!involved[k] || mesh_.knot(k).kind == KnotKind::kSegment) continue;
+        const double share = ++slowed[k] < kSlowings ? 0.5 : 0.0;
+        targets_[k] =
+            share > 0 ? mesh_.position(k) + share * (targets_[k] - mesh_.position(k)) : mesh_.position(k);
+      }
+      follow_ends();
+    }
+    report_.held += static_cast<std::size_t>(
+        std::count_if(slowed.begin(), slowed.end(), [](int times) { return times > 0; }));
+  }
+
+  /// Puts the knots inside segments between the ends as they were before the move.
+  void follow_ends() {
+    for (const mesh::FeatureSegment& s : mesh_.segments()) {
+      const KnotIndex a = s.knots.front();
+      const KnotIndex b = s.knots.back();
+      const bool rests = targets_[a] == mesh_.position(a) && targets_[b] == mesh_.position(b);
+      const Vec2 from = mesh_.position(a);
+      const Vec2 along = mesh_.position(b) - from;
+      for (std::size_t i = 1; i + 1 < s.knots.size(); ++i) {
+        const KnotIndex k = s.knots[i];
+        const double t = dot(mesh_.position(k) - from, along) / dot(along, along);
+        targets_[k] = rests ? mesh_.position(k) : targets_[a] + t * (targets_[b] - targets_[a]);
       }
     }
   }
@@ -201,12 +226,12 @@ class Carrier {
 
 }  // namespace
 
-KnotMesh carry_mesh(const KnotMesh& mesh, std::span<const Vec2> targets, const CarryOptions& options,
-                    CarryReport* report) {
+KnotMesh carry_mesh(const KnotMesh& mesh, std::span<const Vec2> targets, std::span<const std::uint8_t> lost,
+                    const CarryOptions& options, CarryReport* report) {
   CarryReport own;
   CarryReport& told = report ? *report : own;
   told = {};
-  const KnotMesh kept = without_leaving_segments(mesh, targets, told.segments_dropped);
+  const KnotMesh kept = without_leaving_segments(mesh, targets, lost, told.segments_dropped);
   std::vector<Vec2> goals(targets.begin(), targets.end());
   // Knots of segments that are given up go on as free ones, those on the border stay.
   for (KnotIndex k = 0; k < goals.size(); ++k) {

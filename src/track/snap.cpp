@@ -37,8 +37,10 @@ struct Sample {
   Vec2 before;    ///< in the picture before
   Vec2 position;  ///< in the new one, as far as the motion is known
   Vec2 normal;
-  double offset = 0;  ///< along the normal
-  double weight = 0;  ///< steepness; 0: nothing found
+  double offset = 0;   ///< along the normal
+  double weight = 0;   ///< steepness; 0: nothing found
+  bool known = false;  ///< there was an edge before
+  std::size_t segment = 0;
 };
 
 /// Places of samples along all segments, in the image of the surface, moved with their ends.
@@ -46,7 +48,8 @@ std::vector<Sample> place_samples(const spline::Basis& basis, std::span<const Ve
                                   const KnotMesh& mesh, std::span<const Vec2> motion) {
   std::vector<Sample> samples;
   std::vector<Vec2> points;
-  for (const mesh::FeatureSegment& s : mesh.segments) {
+  for (std::size_t segment = 0; segment < mesh.segments.size(); ++segment) {
+    const mesh::FeatureSegment& s = mesh.segments[segment];
     const KnotIndex a = s.knots.front();
     const KnotIndex b = s.knots.back();
     const Vec2 from = mesh.knots[a].position;
@@ -54,6 +57,7 @@ std::vector<Sample> place_samples(const spline::Basis& basis, std::span<const Ve
     const int n = std::max(3, static_cast<int>(std::lround(norm(along) / kSpacing)));
     for (int i = 0; i <= n; ++i) {
       Sample sample{a, b, static_cast<double>(i) / n, {}, {}, {}};
+      sample.segment = segment;
       points.push_back(from + sample.t * along);
       samples.push_back(sample);
     }
@@ -92,6 +96,7 @@ void find_edge(const motion::Luma& before, const motion::Luma& now, const SnapOp
     if (std::abs(slope) > std::abs(known)) known = slope;
   }
   if (std::abs(known) < kWeakest) return;
+  s.known = true;
   const int reach = static_cast<int>(std::lround(options.reach / kStep));
   std::vector<double> steep;
   for (int i = -reach - 1; i <= reach + 1; ++i) {
@@ -167,18 +172,32 @@ std::vector<Vec2> solve(const std::vector<Sample>& samples, std::size_t knots, c
   return moves;
 }
 
+std::vector<std::uint8_t> lost_segments(const std::vector<Sample>& samples, std::size_t segments,
+                                        double least_found) {
+  std::vector<double> known(segments, 0);
+  std::vector<double> found(segments, 0);
+  for (const Sample& s : samples) {
+    known[s.segment] += s.known ? 1 : 0;
+    found[s.segment] += s.weight > 0 ? 1 : 0;
+  }
+  std::vector<std::uint8_t> lost(segments, 0);
+  for (std::size_t i = 0; i < segments; ++i) lost[i] = found[i] < least_found * known[i] ? 1 : 0;
+  return lost;
+}
+
 }  // namespace
 
-std::vector<Vec2> snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displacement,
-                                const KnotMesh& mesh, std::span<const Vec2> motion,
-                                const motion::Luma& before, const motion::Luma& now,
-                                const SnapOptions& options) {
-  std::vector<Vec2> moves(mesh.knots.size());
-  if (mesh.segments.empty()) return moves;
+SnapResult snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displacement, const KnotMesh& mesh,
+                         std::span<const Vec2> motion, const motion::Luma& before, const motion::Luma& now,
+                         const SnapOptions& options) {
+  SnapResult result{std::vector<Vec2>(mesh.knots.size()), std::vector<std::uint8_t>(mesh.segments.size(), 0)};
+  if (mesh.segments.empty()) return result;
   std::vector<Sample> samples = place_samples(basis, displacement, mesh, motion);
   for (Sample& s : samples) find_edge(before, now, options, s);
+  result.lost = lost_segments(samples, mesh.segments.size(), options.least_found);
   const bool any = std::any_of(samples.begin(), samples.end(), [](const Sample& s) { return s.offset != 0; });
-  return any ? solve(samples, moves.size(), options) : moves;
+  if (any) result.moves = solve(samples, mesh.knots.size(), options);
+  return result;
 }
 
 }  // namespace knotreel::track

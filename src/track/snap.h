@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -9,10 +10,16 @@
 namespace knotreel::track {
 
 struct SnapOptions {
-  double reach = 2.5;       ///< how far from the carried curve an edge is looked for, pixels
-  double dead_zone = 0.25;  ///< offsets below are none, pixels
+  double least_found = 0.4;  ///< share of the samples of a segment that must find their edge again
+  double reach = 2.5;        ///< how far from the carried curve an edge is looked for, pixels
+  double dead_zone = 0.25;   ///< offsets below are none, pixels
   double stiffness =
       0.3;  ///< of the ends of segments against moving at all and apart, relative to the samples
+};
+
+struct SnapResult {
+  std::vector<Vec2> moves;         ///< what to add to the motion, by knot; zero for all but ends of segments
+  std::vector<std::uint8_t> lost;  ///< by segment: 1 if the new picture has no such edge there
 };
 
 /// Pulls carried feature curves onto the edges of the new picture: along the normals of each curve the place
@@ -21,10 +28,8 @@ struct SnapOptions {
 /// @param basis, displacement the surface of the frame before, which says where segments lie in the image.
 /// @param mesh   whose segments are meant; near those of the surface.
 /// @param motion of the knots so far. @param before, now the pictures.
-/// @return what to add to the motion, by knot; zero for all but ends of segments.
-std::vector<Vec2> snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displacement,
-                                const mesh::KnotMesh& mesh, std::span<const Vec2> motion,
-                                const motion::Luma& before, const motion::Luma& now,
-                                const SnapOptions& options = {});
+SnapResult snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displacement,
+                         const mesh::KnotMesh& mesh, std::span<const Vec2> motion, const motion::Luma& before,
+                         const motion::Luma& now, const SnapOptions& options = {});
 
 }  // namespace knotreel::track

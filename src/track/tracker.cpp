@@ -194,11 +194,11 @@ class Tracker::Impl {
   bool make_warm(const image::Image& picture, const Motion& motion) {
     const std::vector<Vec2> points = image_positions(*basis_, displacement_, next_mesh_);
     std::vector<Vec2> moves = knot_motion(points, motion);
-    const std::vector<Vec2> snapped =
+    const SnapResult snapped =
         snap_to_edges(*basis_, displacement_, next_mesh_, moves, *motion.before, *motion.now);
-    for (std::size_t k = 0; k < moves.size(); ++k) moves[k] = moves[k] + snapped[k];
+    for (std::size_t k = 0; k < moves.size(); ++k) moves[k] = moves[k] + snapped.moves[k];
     const std::vector<Vec2> targets = knot_targets(next_mesh_, moves);
-    KnotMesh carried = carry_mesh(next_mesh_, targets, options_.carry, &report_->carry);
+    KnotMesh carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->carry);
     lap("carry");
     target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
     const image::Image wanted =

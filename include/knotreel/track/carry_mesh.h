@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -18,7 +19,7 @@ struct CarryReport {
   std::size_t removed = 0;  ///< free knots that left the domain, or that others crowded out
   std::size_t held = 0;     ///< knots that had to stay, because the mesh would have folded over
   std::size_t flips = 0;
-  std::size_t segments_dropped = 0;  ///< feature segments that left the domain
+  std::size_t segments_dropped = 0;  ///< feature segments that left the domain or were lost
 };
 
 /// Where the knots of a mesh should go, from where the picture goes at each of them: domain corners and
@@ -31,9 +32,10 @@ std::vector<Vec2> knot_targets(const mesh::KnotMesh& mesh, std::span<const Vec2>
 /// flips, then by taking a free knot away, at last by letting knots stay. Segments with an end outside the
 /// domain are given up; their knots become free ones. Ids are kept. Nothing that does not move changes.
 /// @param mesh     sound. @param targets by knot, as knot_targets() gives them.
-/// @param next_id  least id of knots to come (EditableMesh).
+/// @param lost 1 for segments to be given up too; empty: none.
 /// @return a sound mesh.
 mesh::KnotMesh carry_mesh(const mesh::KnotMesh& mesh, std::span<const Vec2> targets,
-                          const CarryOptions& options = {}, CarryReport* report = nullptr);
+                          std::span<const std::uint8_t> lost = {}, const CarryOptions& options = {},
+                          CarryReport* report = nullptr);
 
 }  // namespace knotreel::track
