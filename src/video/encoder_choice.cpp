@@ -95,7 +95,7 @@ std::vector<AVPixelFormat> y4m_formats() {
 
 bool fits_size(const AVCodec& encoder, AVPixelFormat format, const StreamInfo& frames) {
   const std::string name = encoder.name;
-  if (name != "libx264" && name != "libx265" && name != "libsvtav1") return true;
+  if (name != "libx264" && name != "libx265" && name != "prores_ks") return true;
   const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
   if (is_rgb(description) || is_grey(description)) return true;
   return frames.width % (1 << description.log2_chroma_w) == 0 &&

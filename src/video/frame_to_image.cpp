@@ -81,9 +81,10 @@ image::Image taken_over(const AVFrame& frame, int channels) {
   return image;
 }
 
-image::Image from_sixteen_bits(const AVFrame& frame, int channels) {
-  image::Image image = image::make_image(frame.width, frame.height, channels);
-  for (int y = 0; y < frame.height; ++y) {
+/// The top left part of a frame.
+image::Image from_sixteen_bits(const AVFrame& frame, int width, int height, int channels) {
+  image::Image image = image::make_image(width, height, channels);
+  for (int y = 0; y < height; ++y) {
     const std::span<float> row = image.row(y);
     const auto* from =
         reinterpret_cast<const std::uint16_t*>(frame.data[0] + std::ptrdiff_t(y) * frame.linesize[0]);
@@ -104,17 +105,39 @@ void set_chroma_place(SwsContext* scaler, const AVPixFmtDescriptor& format, int 
   if (format.log2_chroma_h == 1) set_number(scaler, "src_v_chr_pos", std::int64_t(place.y * 256));
 }
 
+FramePtr blank(AVPixelFormat format, int width, int height) {
+  FramePtr frame = new_frame();
+  frame->format = format;
+  frame->width = width;
+  frame->height = height;
+  if (av_frame_get_buffer(frame.get(), 0) < 0) throw std::bad_alloc();
+  return frame;
+}
+
+/// The frame with whole cells of chroma at the right and the bottom; null if it has them. swscale would
+/// stretch the chroma of an odd size a little, so that it lies beside its luma.
+FramePtr with_whole_cells(const AVFrame& frame) {
+  const AVPixFmtDescriptor& format = descriptor(frame);
+  const int width = FFALIGN(frame.width, 1 << format.log2_chroma_w);
+  const int height = FFALIGN(frame.height, 1 << format.log2_chroma_h);
+  if (width == frame.width && height == frame.height) return {};
+  FramePtr whole = blank(AVPixelFormat(frame.format), width, height);
+  av_frame_copy_props(whole.get(), &frame);
+  if (av_frame_copy(whole.get(), &frame) < 0) throw std::bad_alloc();
+  return whole;
+}
+
 }  // namespace
 
 FrameToImage::~FrameToImage() {
   sws_freeContext(scaler_);
 }
 
-void FrameToImage::prepare(const AVFrame& frame) {
+void FrameToImage::prepare(const AVFrame& frame, const AVFrame& target, int shown_height) {
   const AVPixFmtDescriptor& format = descriptor(frame);
   const AVPixelFormat plain_format = without_range(AVPixelFormat(frame.format));
   const bool full = plain_format != frame.format || full_range(frame.color_range, format);
-  const int matrix = matrix_in_use(frame.colorspace, frame.height);
+  const int matrix = matrix_in_use(frame.colorspace, shown_height);
   if (scaler_ != nullptr && frame.width == from_width_ && frame.height == from_height_ &&
       frame.format == from_format_ && matrix == from_matrix_ && full == from_full_ &&
       frame.chroma_location == from_place_) {
@@ -134,9 +157,9 @@ void FrameToImage::prepare(const AVFrame& frame) {
   set_number(scaler_, "srch", frame.height);
   set_number(scaler_, "src_format", plain_format);
   set_number(scaler_, "src_range", full);
-  set_number(scaler_, "dstw", width_);
-  set_number(scaler_, "dsth", height_);
-  set_number(scaler_, "dst_format", sixteen_bits(channels_));
+  set_number(scaler_, "dstw", target.width);
+  set_number(scaler_, "dsth", target.height);
+  set_number(scaler_, "dst_format", target.format);
   set_number(scaler_, "dst_range", 1);
   set_chroma_place(scaler_, format, frame.chroma_location);
   if (sws_init_context(scaler_, nullptr, nullptr) < 0) {
@@ -148,14 +171,14 @@ void FrameToImage::prepare(const AVFrame& frame) {
 }
 
 image::Image FrameToImage::scaled(const AVFrame& frame) {
-  prepare(frame);
-  const FramePtr target = new_frame();
-  target->format = sixteen_bits(channels_);
-  target->width = width_;
-  target->height = height_;
-  if (av_frame_get_buffer(target.get(), 0) < 0) throw std::bad_alloc();
-  sws_scale(scaler_, frame.data, frame.linesize, 0, frame.height, target->data, target->linesize);
-  return from_sixteen_bits(*target, channels_);
+  const bool same_size = frame.width == width_ && frame.height == height_;
+  const FramePtr whole = same_size ? with_whole_cells(frame) : FramePtr();
+  const AVFrame& source = whole ? *whole : frame;
+  const FramePtr target =
+      blank(sixteen_bits(channels_), whole ? source.width : width_, whole ? source.height : height_);
+  prepare(source, *target, frame.height);
+  sws_scale(scaler_, source.data, source.linesize, 0, source.height, target->data, target->linesize);
+  return from_sixteen_bits(*target, width_, height_, channels_);
 }
 
 image::Image FrameToImage::convert(const AVFrame& frame) {

@@ -25,7 +25,7 @@ class FrameToImage {
   image::Image scaled(const AVFrame& frame);
 
  private:
-  void prepare(const AVFrame& frame);
+  void prepare(const AVFrame& frame, const AVFrame& target, int shown_height);
 
   int width_, height_, channels_;
   SwsContext* scaler_ = nullptr;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdio>
 
 #include "colour_rules.h"
 #include "knotreel/base/error.h"
@@ -25,6 +26,18 @@ bool has_times(const AVInputFormat& format, const AVFrame& first) {
   if ((format.flags & AVFMT_NOTIMESTAMPS) != 0 || reads_pictures(format)) return false;
   const bool raw = format.raw_codec_id != AV_CODEC_ID_NONE && format.raw_codec_id != AV_CODEC_ID_RAWVIDEO;
   return !raw && first.best_effort_timestamp != AV_NOPTS_VALUE;
+}
+
+/// When a track ends, in seconds; 0 if it is not told. In Matroska, "00:01:02.345000000" in its tags.
+double told_end(const AVStream& stream) {
+  if (stream.duration > 0 && stream.start_time != AV_NOPTS_VALUE) {
+    return double(stream.start_time + stream.duration) * av_q2d(stream.time_base);
+  }
+  const AVDictionaryEntry* entry = av_dict_get(stream.metadata, "DURATION", nullptr, 0);
+  int hours = 0, minutes = 0;
+  double seconds = 0;
+  if (entry == nullptr || std::sscanf(entry->value, "%d:%d:%lf", &hours, &minutes, &seconds) != 3) return 0;
+  return 3600.0 * hours + 60.0 * minutes + seconds;
 }
 
 }  // namespace
@@ -223,6 +236,16 @@ std::int64_t StreamSource::duration_of(const AVFrame& frame) const {
   return av_rescale_q(1, av_inv_q(to_av(info_.frame_rate)), to_av(info_.time_base));
 }
 
+/// What stands beside the last frame may be nothing (Matroska), or the time until the next frame to be
+/// decoded (mp4); the end of the track tells better.
+std::int64_t StreamSource::last_duration(const AVFrame& frame) const {
+  const std::int64_t usual = duration_of(frame);
+  const double end = told_end(*demuxer_.video());
+  if (end <= 0 || usual <= 0) return usual;
+  const std::int64_t told = std::llround(end / info_.time_base.value()) - frame.pts;
+  return told > usual / 4 && told < usual * 4 ? told : usual;
+}
+
 void StreamSource::look_ahead() {
   ahead_ = decode();
   if (!ahead_) return;
@@ -239,7 +262,7 @@ bool StreamSource::next(Frame& frame) {
   frame.image = to_image_->convert(*current);
   frame.index = handed_out_++;
   frame.pts = current->pts;
-  frame.duration = ahead_ ? ahead_->pts - current->pts : duration_of(*current);
+  frame.duration = ahead_ ? ahead_->pts - current->pts : last_duration(*current);
   frame.packets = take_packets();
   return true;
 }

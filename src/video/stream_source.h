@@ -32,6 +32,7 @@ class StreamSource : public Source {
   void damage(const std::string& why);
   void stamp(AVFrame& frame);
   std::int64_t duration_of(const AVFrame& frame) const;
+  std::int64_t last_duration(const AVFrame& frame) const;
   void look_ahead();
 
   Demuxer demuxer_;

@@ -13,6 +13,12 @@ namespace {
 /// MPEG-4 part 2 writes the time base in 16 bits.
 constexpr int kMpeg4Ticks = 65535;
 
+/// libav does not tell this reliably by a flag. Matroska, mp4, nut and the like keep any times.
+bool has_fixed_rate(const AVOutputFormat& container) {
+  const std::string name = container.name;
+  return name == "avi" || name == "gxf" || name == "yuv4mpegpipe" || name.starts_with("mxf");
+}
+
 Error refused(const AVCodecContext& encoder, const WriteOptions& options, int code) {
   std::string what = "encoder '" + std::string(encoder.codec->name) + "' refuses " +
                      std::to_string(encoder.width) + "x" + std::to_string(encoder.height) + " " +
@@ -55,10 +61,8 @@ void VideoEncoder::set_times(const AVOutputFormat& container) {
   const AVRational rate = info_.frame_rate.known() ? to_av(info_.frame_rate) : AVRational{25, 1};
   encoder_->framerate = rate;
   encoder_->time_base = to_av(info_.time_base);
-  constexpr int kFree = AVFMT_VARIABLE_FPS | AVFMT_NOTIMESTAMPS;
-  const bool fixed = (container.flags & kFree) == 0;
   const bool coarse = encoder_->codec_id == AV_CODEC_ID_MPEG4 && encoder_->time_base.den > kMpeg4Ticks;
-  if (fixed || coarse) encoder_->time_base = av_inv_q(rate);
+  if (has_fixed_rate(container) || coarse) encoder_->time_base = av_inv_q(rate);
 }
 
 void VideoEncoder::open(const WriteOptions& options) {
