@@ -138,6 +138,22 @@ AVPixelFormat named_format(const AVCodec& encoder, const StreamInfo& frames,
                                                std::to_string(frames.height) + "; there are " + names);
 }
 
+/// x264 prints before it refuses a preset, so it is not asked.
+void set_named_preset(const AVCodec& encoder, Options& dictionary, const std::string& preset) {
+  static constexpr std::array kPresets = {"ultrafast", "superfast", "veryfast", "faster",   "fast",
+                                          "medium",    "slow",      "slower",   "veryslow", "placebo"};
+  const std::string name = encoder.name;
+  if (name != "libx264" && name != "libx265") {
+    throw Error(ErrorKind::kInvalidArgument, "encoder '" + name + "' has no presets");
+  }
+  if (std::find(kPresets.begin(), kPresets.end(), preset) == kPresets.end()) {
+    std::string all;
+    for (const char* known : kPresets) all += (all.empty() ? "" : ", ") + std::string(known);
+    throw Error(ErrorKind::kInvalidArgument, "no preset is called '" + preset + "'; there are " + all);
+  }
+  dictionary.set("preset", preset);
+}
+
 }  // namespace
 
 const AVCodec* choose_encoder(const std::string& codec, const AVOutputFormat& container) {
@@ -179,7 +195,7 @@ void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOption
   if (aom) dictionary.set("cpu-used", options.preset.empty() ? "6" : options.preset);
   if (vpx) dictionary.set("cpu-used", options.preset.empty() ? "2" : options.preset);
   if (aom || name == "libvpx-vp9") dictionary.set("row-mt", "1");
-  if (!aom && !vpx && !options.preset.empty()) dictionary.set("preset", options.preset);
+  if (!aom && !vpx && !options.preset.empty()) set_named_preset(*encoder.codec, dictionary, options.preset);
   if (name == "libx265") {
     const std::string pools = options.threads > 0 ? ":pools=" + std::to_string(options.threads) : "";
     dictionary.set("x265-params", "log-level=none" + pools);

@@ -188,6 +188,7 @@ void StreamSource::feed() {
   if (!why.empty()) {
     if (strict_) throw Error(ErrorKind::kInput, demuxer_.cannot_read() + why);
     warnings_.add("the input ends early: " + why);
+    cut_short_ = true;
   }
   if (!packet) {
     avcodec_send_packet(decoder_.get(), nullptr);
@@ -246,9 +247,25 @@ std::int64_t StreamSource::last_duration(const AVFrame& frame) const {
   return told > usual / 4 && told < usual * 4 ? told : usual;
 }
 
+/// Most demuxers take a file that is cut short for one that ends there.
+void StreamSource::check_end() {
+  const double end = told_end(*demuxer_.video());
+  if (!info_.timestamps || demuxer_.format()->duration_estimation_method == AVFMT_DURATION_FROM_BITRATE)
+    return;
+  const double tick = info_.time_base.value();
+  const double missing = end - double(last_pts_ + last_duration_) * tick;
+  if (missing < std::max(0.2, 3 * double(last_duration_) * tick) || cut_short_) return;
+  const std::string why = "it tells of " + std::to_string(missing) + " s more";
+  if (strict_) throw Error(ErrorKind::kInput, demuxer_.cannot_read() + why);
+  warnings_.add("the input ends early: " + why);
+}
+
 void StreamSource::look_ahead() {
   ahead_ = decode();
-  if (!ahead_) return;
+  if (!ahead_) {
+    check_end();
+    return;
+  }
   if (ahead_->width != info_.width || ahead_->height != info_.height) {
     warnings_.count("frames are of another size than the first, and scaled to it");
   }
