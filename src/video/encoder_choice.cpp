@@ -111,13 +111,27 @@ std::vector<AVPixelFormat> candidates(const AVCodec& encoder, const StreamInfo& 
   } else {
     for (const AVPixelFormat* p = encoder.pix_fmts; *p != AV_PIX_FMT_NONE; ++p) all.push_back(*p);
   }
+  // Their grey comes out of decoders as luma with neutral chroma, and then has another range.
+  const bool no_grey =
+      encoder.id == AV_CODEC_ID_H264 || encoder.id == AV_CODEC_ID_HEVC || encoder.id == AV_CODEC_ID_AV1;
   std::erase_if(all, [&](AVPixelFormat format) {
+    if (no_grey && is_grey(*av_pix_fmt_desc_get(format))) return true;
     // Ranges are told beside the format, except to encoders that know no other way.
     const bool twin = std::find(all.begin(), all.end(), without_range(format)) != all.end();
     return !can_be_packed(format) || !fits_size(encoder, format, frames) ||
            (without_range(format) != format && twin);
   });
   return all;
+}
+
+/// Grey, where there is none, is 4:2:0, since chroma of any size holds nothing.
+AVPixelFormat nearest_aim(AVPixelFormat source, const std::vector<AVPixelFormat>& all) {
+  const auto grey = [](AVPixelFormat format) { return is_grey(*av_pix_fmt_desc_get(format)); };
+  if (!grey(source) || std::any_of(all.begin(), all.end(), grey)) return source;
+  const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(source);
+  const bool deep = depth_of(format) > 8;
+  if (has_alpha(format)) return deep ? AV_PIX_FMT_YUVA420P10 : AV_PIX_FMT_YUVA420P;
+  return deep ? AV_PIX_FMT_YUV420P10 : AV_PIX_FMT_YUV420P;
 }
 
 AVPixelFormat named_format(const AVCodec& encoder, const StreamInfo& frames,
@@ -174,10 +188,10 @@ AVPixelFormat choose_pixel_format(const AVCodec& encoder, const StreamInfo& fram
                                                  std::to_string(frames.width) + "x" +
                                                  std::to_string(frames.height));
   }
+  const AVPixelFormat source = nearest_aim(source_format(encoder, frames), all);
   all.push_back(AV_PIX_FMT_NONE);
   int loss = 0;
-  const bool alpha = frames.channels % 2 == 0;
-  return avcodec_find_best_pix_fmt_of_list(all.data(), source_format(encoder, frames), alpha, &loss);
+  return avcodec_find_best_pix_fmt_of_list(all.data(), source, frames.channels % 2 == 0, &loss);
 }
 
 void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOptions& options) {
