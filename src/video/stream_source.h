@@ -23,8 +23,6 @@ class StreamSource : public Source {
 
  private:
   void open_decoder(int threads);
-  void describe();
-  void describe_time(const ReadOptions& options);
   FramePtr decode();
   FramePtr receive();
   void feed();
