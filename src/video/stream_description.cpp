@@ -27,7 +27,7 @@ ColourTags colours(const AVFrame& frame, const AVPixFmtDescriptor& description) 
   return tags;
 }
 
-void describe_pictures(StreamInfo& info, AVFormatContext& format, AVStream& stream, const AVFrame& frame) {
+void describe_pictures(StreamInfo& info, AVFormatContext& format, AVStream& stream, AVFrame& frame) {
   const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(AVPixelFormat(frame.format));
   info.width = frame.width;
   info.height = frame.height;
@@ -35,8 +35,7 @@ void describe_pictures(StreamInfo& info, AVFormatContext& format, AVStream& stre
   info.depth = depth_of(description);
   info.pixel_format = description.name;
   info.colour = colours(frame, description);
-  AVFrame copy = frame;  // the function below takes it as changeable, and changes nothing
-  info.sample_aspect = from_av(av_guess_sample_aspect_ratio(&format, &stream, &copy));
+  info.sample_aspect = from_av(av_guess_sample_aspect_ratio(&format, &stream, &frame));
   std::size_t size = 0;
   const std::uint8_t* matrix = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &size);
   if (matrix == nullptr) return;
@@ -78,7 +77,7 @@ void estimate_length(StreamInfo& info, const AVFormatContext& format, const AVSt
 }  // namespace
 
 StreamInfo describe_stream(AVFormatContext& format, AVStream& stream, const AVCodecContext& decoder,
-                           const AVFrame& first, const ReadOptions& options) {
+                           AVFrame& first, const ReadOptions& options) {
   StreamInfo info;
   info.codec = avcodec_get_name(decoder.codec_id);
   info.container = format.iformat->name;

@@ -7,7 +7,7 @@ namespace knotreel::video {
 
 /// What container, decoder and first frame tell of a video stream.
 StreamInfo describe_stream(AVFormatContext& format, AVStream& stream, const AVCodecContext& decoder,
-                           const AVFrame& first, const ReadOptions& options);
+                           AVFrame& first, const ReadOptions& options);
 
 /// When a track ends, in seconds; 0 if it is not told.
 double told_end(const AVStream& stream);

@@ -4,6 +4,11 @@
 
 #include <cmath>
 
+// x265 does not free all of its parameters.
+extern "C" const char* __lsan_default_suppressions() {
+  return "leak:libx265\n";
+}
+
 namespace knotreel::video {
 namespace {
 
