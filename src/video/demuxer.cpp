@@ -34,6 +34,7 @@ const AVInputFormat* forced_format(const std::string& name) {
 std::string why_not(int code) {
   if (code == AVERROR_INVALIDDATA) return "not a video in a known format, or cut short";
   if (code == AVERROR_EOF) return "the file is cut short";
+  if (code == AVERROR(EINVAL)) return "this format has to be told more, such as its video_size";
   return error_text(code);
 }
 

@@ -95,7 +95,7 @@ std::vector<AVPixelFormat> y4m_formats() {
 
 bool fits_size(const AVCodec& encoder, AVPixelFormat format, const StreamInfo& frames) {
   const std::string name = encoder.name;
-  if (name != "libx264" && name != "libx265" && name != "libsvtav1") return true;
+  if (name != "libx264" && name != "libx265" && name != "prores_ks") return true;
   const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
   if (is_rgb(description) || is_grey(description)) return true;
   return frames.width % (1 << description.log2_chroma_w) == 0 &&
@@ -111,13 +111,27 @@ std::vector<AVPixelFormat> candidates(const AVCodec& encoder, const StreamInfo& 
   } else {
     for (const AVPixelFormat* p = encoder.pix_fmts; *p != AV_PIX_FMT_NONE; ++p) all.push_back(*p);
   }
+  // Their grey comes out of decoders as luma with neutral chroma, and then has another range.
+  const bool no_grey =
+      encoder.id == AV_CODEC_ID_H264 || encoder.id == AV_CODEC_ID_HEVC || encoder.id == AV_CODEC_ID_AV1;
   std::erase_if(all, [&](AVPixelFormat format) {
+    if (no_grey && is_grey(*av_pix_fmt_desc_get(format))) return true;
     // Ranges are told beside the format, except to encoders that know no other way.
     const bool twin = std::find(all.begin(), all.end(), without_range(format)) != all.end();
     return !can_be_packed(format) || !fits_size(encoder, format, frames) ||
            (without_range(format) != format && twin);
   });
   return all;
+}
+
+/// Grey, where there is none, is 4:2:0, since chroma of any size holds nothing.
+AVPixelFormat nearest_aim(AVPixelFormat source, const std::vector<AVPixelFormat>& all) {
+  const auto grey = [](AVPixelFormat format) { return is_grey(*av_pix_fmt_desc_get(format)); };
+  if (!grey(source) || std::any_of(all.begin(), all.end(), grey)) return source;
+  const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(source);
+  const bool deep = depth_of(format) > 8;
+  if (has_alpha(format)) return deep ? AV_PIX_FMT_YUVA420P10 : AV_PIX_FMT_YUVA420P;
+  return deep ? AV_PIX_FMT_YUV420P10 : AV_PIX_FMT_YUV420P;
 }
 
 AVPixelFormat named_format(const AVCodec& encoder, const StreamInfo& frames,
@@ -136,6 +150,22 @@ AVPixelFormat named_format(const AVCodec& encoder, const StreamInfo& frames,
                                                "' has no pixel format '" + wanted + "' at " +
                                                std::to_string(frames.width) + "x" +
                                                std::to_string(frames.height) + "; there are " + names);
+}
+
+/// x264 prints before it refuses a preset, so it is not asked.
+void set_named_preset(const AVCodec& encoder, Options& dictionary, const std::string& preset) {
+  static constexpr std::array kPresets = {"ultrafast", "superfast", "veryfast", "faster",   "fast",
+                                          "medium",    "slow",      "slower",   "veryslow", "placebo"};
+  const std::string name = encoder.name;
+  if (name != "libx264" && name != "libx265") {
+    throw Error(ErrorKind::kInvalidArgument, "encoder '" + name + "' has no presets");
+  }
+  if (std::find(kPresets.begin(), kPresets.end(), preset) == kPresets.end()) {
+    std::string all;
+    for (const char* known : kPresets) all += (all.empty() ? "" : ", ") + std::string(known);
+    throw Error(ErrorKind::kInvalidArgument, "no preset is called '" + preset + "'; there are " + all);
+  }
+  dictionary.set("preset", preset);
 }
 
 }  // namespace
@@ -158,10 +188,10 @@ AVPixelFormat choose_pixel_format(const AVCodec& encoder, const StreamInfo& fram
                                                  std::to_string(frames.width) + "x" +
                                                  std::to_string(frames.height));
   }
+  const AVPixelFormat source = nearest_aim(source_format(encoder, frames), all);
   all.push_back(AV_PIX_FMT_NONE);
   int loss = 0;
-  const bool alpha = frames.channels % 2 == 0;
-  return avcodec_find_best_pix_fmt_of_list(all.data(), source_format(encoder, frames), alpha, &loss);
+  return avcodec_find_best_pix_fmt_of_list(all.data(), source, frames.channels % 2 == 0, &loss);
 }
 
 void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOptions& options) {
@@ -179,7 +209,7 @@ void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOption
   if (aom) dictionary.set("cpu-used", options.preset.empty() ? "6" : options.preset);
   if (vpx) dictionary.set("cpu-used", options.preset.empty() ? "2" : options.preset);
   if (aom || name == "libvpx-vp9") dictionary.set("row-mt", "1");
-  if (!aom && !vpx && !options.preset.empty()) dictionary.set("preset", options.preset);
+  if (!aom && !vpx && !options.preset.empty()) set_named_preset(*encoder.codec, dictionary, options.preset);
   if (name == "libx265") {
     const std::string pools = options.threads > 0 ? ":pools=" + std::to_string(options.threads) : "";
     dictionary.set("x265-params", "log-level=none" + pools);

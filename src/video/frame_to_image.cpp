@@ -8,12 +8,12 @@ extern "C" {
 #include <algorithm>
 #include <array>
 #include <bit>
-#include <cstring>
 #include <vector>
 
 #include "colour_rules.h"
 #include "image_to_frame.h"
 #include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
 
 namespace knotreel::video {
 namespace {
@@ -22,12 +22,6 @@ const AVPixFmtDescriptor& descriptor(const AVFrame& frame) {
   const AVPixFmtDescriptor* found = av_pix_fmt_desc_get(AVPixelFormat(frame.format));
   if (found == nullptr) throw Error(ErrorKind::kInput, "frames are of no known pixel format");
   return *found;
-}
-
-AVPixelFormat sixteen_bits(int channels) {
-  static constexpr AVPixelFormat kFormats[] = {AV_PIX_FMT_GRAY16, AV_PIX_FMT_YA16, AV_PIX_FMT_RGB48,
-                                               AV_PIX_FMT_RGBA64};
-  return kFormats[channels - 1];
 }
 
 /// Whether the components are those of the Image, so that nothing has to be computed but the scale.
@@ -81,14 +75,51 @@ image::Image taken_over(const AVFrame& frame, int channels) {
   return image;
 }
 
-image::Image from_sixteen_bits(const AVFrame& frame, int channels) {
-  image::Image image = image::make_image(frame.width, frame.height, channels);
-  for (int y = 0; y < frame.height; ++y) {
-    const std::span<float> row = image.row(y);
-    const auto* from =
-        reinterpret_cast<const std::uint16_t*>(frame.data[0] + std::ptrdiff_t(y) * frame.linesize[0]);
-    for (std::size_t i = 0; i < row.size(); ++i) row[i] = float(from[i]) / 257.0F;
-  }
+/// How codes of luma and chroma become RGB.
+struct Codes {
+  int depth;  ///< of the codes; samples of more bits have fractions of codes
+  bool full;
+  LumaWeights weights;
+};
+
+/// A line of a component: codes from 0 on, as 0..255 for luma and alpha, about 0 for chroma.
+std::vector<float> line_of(const AVFrame& frame, int component, int y, const Codes& codes) {
+  const AVPixFmtDescriptor& format = descriptor(frame);
+  std::vector<std::uint32_t> raw(std::size_t(frame.width));
+  std::array<const std::uint8_t*, 4> planes{};
+  std::copy(frame.data, frame.data + 4, planes.begin());
+  av_read_image_line2(raw.data(), planes.data(), frame.linesize, &format, 0, y, component, frame.width, 0, 4);
+  const float code = 1.0F / float(1 << (format.comp[component].depth - codes.depth));
+  const float step = float(1 << (codes.depth - 8));
+  const bool chroma = component == 1 || component == 2, full = codes.full || component == 3;
+  const float zero = chroma ? 128 * step : full ? 0 : 16 * step;
+  const float range = full ? float((1 << codes.depth) - 1) : (chroma ? 224 : 219) * step;
+  std::vector<float> line(raw.size());
+  for (std::size_t x = 0; x < line.size(); ++x) line[x] = (float(raw[x]) * code - zero) * (255.0F / range);
+  return line;
+}
+
+/// The top left part of a frame that has chroma for every pixel.
+image::Image from_luma_and_chroma(const AVFrame& frame, int width, int height, const Codes& codes) {
+  const bool alpha = has_alpha(descriptor(frame));
+  image::Image image = image::make_image(width, height, alpha ? 4 : 3);
+  const LumaWeights& weights = codes.weights;
+  parallel_for(std::size_t(height), [&](std::size_t row) {
+    const int y = int(row);
+    const std::vector<float> luma = line_of(frame, 0, y, codes), blue = line_of(frame, 1, y, codes),
+                             red = line_of(frame, 2, y, codes);
+    for (std::size_t x = 0; x < std::size_t(width); ++x) {
+      const float r = luma[x] + 2 * (1 - weights.red) * red[x],
+                  b = luma[x] + 2 * (1 - weights.blue) * blue[x];
+      const float g = (luma[x] - weights.red * r - weights.blue * b) / weights.green();
+      image.at(int(x), y, 0) = std::clamp(r, 0.0F, 255.0F);
+      image.at(int(x), y, 1) = std::clamp(g, 0.0F, 255.0F);
+      image.at(int(x), y, 2) = std::clamp(b, 0.0F, 255.0F);
+    }
+    if (!alpha) return;
+    const std::vector<float> opaque = line_of(frame, 3, y, codes);
+    for (std::size_t x = 0; x < std::size_t(width); ++x) image.at(int(x), y, 3) = opaque[x];
+  });
   return image;
 }
 
@@ -104,20 +135,37 @@ void set_chroma_place(SwsContext* scaler, const AVPixFmtDescriptor& format, int 
   if (format.log2_chroma_h == 1) set_number(scaler, "src_v_chr_pos", std::int64_t(place.y * 256));
 }
 
+FramePtr blank(AVPixelFormat format, int width, int height) {
+  FramePtr frame = new_frame();
+  frame->format = format;
+  frame->width = width;
+  frame->height = height;
+  if (av_frame_get_buffer(frame.get(), 0) < 0) throw std::bad_alloc();
+  return frame;
+}
+
+/// The frame with whole cells of chroma at the right and the bottom; null if it has them. swscale would
+/// stretch the chroma of an odd size a little, so that it lies beside its luma.
+FramePtr with_whole_cells(const AVFrame& frame) {
+  const AVPixFmtDescriptor& format = descriptor(frame);
+  const int width = FFALIGN(frame.width, 1 << format.log2_chroma_w);
+  const int height = FFALIGN(frame.height, 1 << format.log2_chroma_h);
+  if (width == frame.width && height == frame.height) return {};
+  FramePtr whole = blank(AVPixelFormat(frame.format), width, height);
+  av_frame_copy_props(whole.get(), &frame);
+  if (av_frame_copy(whole.get(), &frame) < 0) throw std::bad_alloc();
+  return whole;
+}
+
 }  // namespace
 
 FrameToImage::~FrameToImage() {
   sws_freeContext(scaler_);
 }
 
-void FrameToImage::prepare(const AVFrame& frame) {
-  const AVPixFmtDescriptor& format = descriptor(frame);
-  const AVPixelFormat plain_format = without_range(AVPixelFormat(frame.format));
-  const bool full = plain_format != frame.format || full_range(frame.color_range, format);
-  const int matrix = matrix_in_use(frame.colorspace, frame.height);
+void FrameToImage::prepare(const AVFrame& frame, const AVFrame& target) {
   if (scaler_ != nullptr && frame.width == from_width_ && frame.height == from_height_ &&
-      frame.format == from_format_ && matrix == from_matrix_ && full == from_full_ &&
-      frame.chroma_location == from_place_) {
+      frame.format == from_format_ && frame.chroma_location == from_place_) {
     return;
   }
   sws_freeContext(scaler_);
@@ -125,51 +173,68 @@ void FrameToImage::prepare(const AVFrame& frame) {
   from_width_ = frame.width;
   from_height_ = frame.height;
   from_format_ = frame.format;
-  from_matrix_ = matrix;
-  from_full_ = full;
   from_place_ = frame.chroma_location;
   set_number(scaler_, "sws_flags",
              SWS_BICUBIC | SWS_ACCURATE_RND | SWS_FULL_CHR_H_INT | SWS_FULL_CHR_H_INP | SWS_BITEXACT);
   set_number(scaler_, "srcw", frame.width);
   set_number(scaler_, "srch", frame.height);
-  set_number(scaler_, "src_format", plain_format);
-  set_number(scaler_, "src_range", full);
-  set_number(scaler_, "dstw", width_);
-  set_number(scaler_, "dsth", height_);
-  set_number(scaler_, "dst_format", sixteen_bits(channels_));
-  set_number(scaler_, "dst_range", 1);
-  set_chroma_place(scaler_, format, frame.chroma_location);
-  if (sws_init_context(scaler_, nullptr, nullptr) < 0) {
-    throw Error(ErrorKind::kInput,
-                std::string("frames of pixel format ") + format.name + " cannot be converted");
-  }
-  const int* coefficients = sws_getCoefficients(matrix);
-  sws_setColorspaceDetails(scaler_, coefficients, full, coefficients, 1, 0, 1 << 16, 1 << 16);
+  set_number(scaler_, "src_format", without_range(AVPixelFormat(frame.format)));
+  set_number(scaler_, "dstw", target.width);
+  set_number(scaler_, "dsth", target.height);
+  set_number(scaler_, "dst_format", target.format);
+  // Codes stay what they are: the same range on both sides, whichever it is.
+  set_number(scaler_, "src_range", 0);
+  set_number(scaler_, "dst_range", 0);
+  set_chroma_place(scaler_, descriptor(frame), frame.chroma_location);
+  if (sws_init_context(scaler_, nullptr, nullptr) >= 0) return;
+  throw Error(ErrorKind::kInput,
+              std::string("frames of pixel format ") + descriptor(frame).name + " cannot be converted");
 }
 
-image::Image FrameToImage::scaled(const AVFrame& frame) {
-  prepare(frame);
-  const FramePtr target = new_frame();
-  target->format = sixteen_bits(channels_);
-  target->width = width_;
-  target->height = height_;
-  if (av_frame_get_buffer(target.get(), 0) < 0) throw std::bad_alloc();
-  sws_scale(scaler_, frame.data, frame.linesize, 0, frame.height, target->data, target->linesize);
-  return from_sixteen_bits(*target, channels_);
+/// The frame at the size wanted and with chroma for every pixel, in 16 bits of which the upper ones are
+/// codes.
+FramePtr FrameToImage::interpolated(const AVFrame& frame) {
+  const bool same_size = frame.width == width_ && frame.height == height_;
+  const FramePtr whole = same_size ? with_whole_cells(frame) : FramePtr();
+  const AVFrame& source = whole ? *whole : frame;
+  const AVPixelFormat format = has_alpha(descriptor(frame)) ? AV_PIX_FMT_YUVA444P16 : AV_PIX_FMT_YUV444P16;
+  FramePtr target = blank(format, whole ? source.width : width_, whole ? source.height : height_);
+  prepare(source, *target);
+  sws_scale(scaler_, source.data, source.linesize, 0, source.height, target->data, target->linesize);
+  return target;
+}
+
+image::Image FrameToImage::from_yuv(const AVFrame& frame) {
+  const AVPixFmtDescriptor& format = descriptor(frame);
+  const bool full =
+      without_range(AVPixelFormat(frame.format)) != frame.format || full_range(frame.color_range, format);
+  const Codes codes{format.comp[0].depth, full, luma_weights(matrix_in_use(frame.colorspace, frame.height))};
+  const bool ready = frame.width == width_ && frame.height == height_ && format.log2_chroma_w == 0 &&
+                     format.log2_chroma_h == 0;
+  if (ready) return from_luma_and_chroma(frame, width_, height_, codes);
+  return from_luma_and_chroma(*interpolated(frame), width_, height_, codes);
 }
 
 image::Image FrameToImage::convert(const AVFrame& frame) {
   const AVPixFmtDescriptor& format = descriptor(frame);
-  if (!plain(format)) return scaled(frame);
-  image::Image image = taken_over(frame, channels_of(format));
-  if (frame.width != width_ || frame.height != height_) image = resized(image, width_, height_);
+  const bool exact = plain(format);
+  if (!exact && (is_rgb(format) || is_grey(format) || format.comp[0].depth < 8)) {
+    throw Error(ErrorKind::kInput,
+                std::string("frames of pixel format ") + format.name + " cannot be converted");
+  }
+  image::Image image = exact ? taken_over(frame, channels_of(format)) : from_yuv(frame);
+  if (image.width != width_ || image.height != height_) image = resized(image, width_, height_);
   return channels_ == image.channels ? std::move(image) : with_channels(image, channels_);
 }
 
 image::Image resized(const image::Image& image, int width, int height) {
-  const FramePtr frame = packed_frame(image, sixteen_bits(image.channels), {}, image.height);
-  FrameToImage converter(width, height, image.channels);
-  return converter.scaled(*frame);
+  // By way of full-range luma and chroma, which hold all of RGB but for rounding in the 16th bit.
+  const ColourTags tags{AVCOL_RANGE_JPEG, AVCOL_SPC_BT709, 2, 2, 0};
+  const AVPixelFormat format = image.has_alpha() ? AV_PIX_FMT_YUVA444P16 : AV_PIX_FMT_YUV444P16;
+  const FramePtr frame = packed_frame(image, format, tags, image.height);
+  frame->color_range = AVCOL_RANGE_JPEG;
+  frame->colorspace = AVCOL_SPC_BT709;
+  return FrameToImage(width, height, image.channels).convert(*frame);
 }
 
 }  // namespace knotreel::video

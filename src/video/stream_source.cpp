@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "colour_rules.h"
 #include "knotreel/base/error.h"
+#include "stream_description.h"
 
 namespace knotreel::video {
 namespace {
@@ -20,13 +20,6 @@ const AVCodec* decoder_for(const AVStream& stream) {
   return avcodec_find_decoder(id);
 }
 
-/// Raw streams are cut into packets by a parser, whose times are guesses; rawvideo knows its rate.
-bool has_times(const AVInputFormat& format, const AVFrame& first) {
-  if ((format.flags & AVFMT_NOTIMESTAMPS) != 0 || reads_pictures(format)) return false;
-  const bool raw = format.raw_codec_id != AV_CODEC_ID_NONE && format.raw_codec_id != AV_CODEC_ID_RAWVIDEO;
-  return !raw && first.best_effort_timestamp != AV_NOPTS_VALUE;
-}
-
 }  // namespace
 
 StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
@@ -37,8 +30,10 @@ StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
   }
   ahead_ = decode();
   if (!ahead_) throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "no frame of it can be decoded");
-  describe();
-  describe_time(options);
+  info_ = describe_stream(*demuxer_.format(), *demuxer_.video(), *decoder_, *ahead_, options);
+  if (std::uint64_t(info_.width) * std::uint64_t(info_.height) > image::kMaxPixels) {
+    throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "its frames have too many pixels");
+  }
   stamp(*ahead_);
   to_image_.emplace(info_.width, info_.height, info_.channels);
 }
@@ -60,66 +55,6 @@ void StreamSource::open_decoder(int threads) {
   if (result < 0) {
     throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "decoder '" + name + "': " + error_text(result));
   }
-}
-
-void StreamSource::describe() {
-  const AVFrame& frame = *ahead_;
-  const auto format = AVPixelFormat(frame.format);
-  const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
-  info_.width = frame.width;
-  info_.height = frame.height;
-  if (std::uint64_t(frame.width) * std::uint64_t(frame.height) > image::kMaxPixels) {
-    throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "its frames have too many pixels");
-  }
-  info_.channels = channels_of(description);
-  info_.depth = depth_of(description);
-  info_.pixel_format = description.name;
-  info_.codec = avcodec_get_name(decoder_->codec_id);
-  info_.container = demuxer_.format()->iformat->name;
-  info_.colour.range = without_range(format) != format ? int(AVCOL_RANGE_JPEG) : int(frame.color_range);
-  info_.colour.matrix = is_rgb(description) ? int(AVCOL_SPC_UNSPECIFIED) : int(frame.colorspace);
-  info_.colour.primaries = frame.color_primaries;
-  info_.colour.transfer = frame.color_trc;
-  info_.colour.chroma_location = frame.chroma_location;
-  AVStream* stream = demuxer_.video();
-  info_.sample_aspect = from_av(av_guess_sample_aspect_ratio(demuxer_.format(), stream, ahead_.get()));
-  std::size_t size = 0;
-  const std::uint8_t* matrix = av_stream_get_side_data(stream, AV_PKT_DATA_DISPLAYMATRIX, &size);
-  if (matrix != nullptr) {
-    const auto* bytes = reinterpret_cast<const std::byte*>(matrix);
-    info_.display_matrix.assign(bytes, bytes + size);
-  }
-}
-
-void StreamSource::describe_time(const ReadOptions& options) {
-  AVFormatContext* format = demuxer_.format();
-  AVStream* stream = demuxer_.video();
-  info_.still = reads_pictures(*format->iformat) && stream->nb_frames <= 1 && format->pb != nullptr &&
-                (format->pb->seekable & AVIO_SEEKABLE_NORMAL) != 0;
-  info_.timestamps = has_times(*format->iformat, *ahead_);
-  info_.frame_rate = from_av(av_guess_frame_rate(format, stream, nullptr));
-  const bool told = options.demuxer_options.contains("framerate");
-  if (!info_.timestamps && !told && decoder_->framerate.num > 0) {
-    info_.frame_rate = from_av(decoder_->framerate);
-  }
-  if (reads_pictures(*format->iformat) && !told) info_.frame_rate = options.image_rate;
-  info_.time_base = from_av(stream->time_base);
-  if (!info_.timestamps) {
-    if (!info_.frame_rate.known()) info_.frame_rate = {25, 1};
-    info_.time_base = {info_.frame_rate.den, info_.frame_rate.num};
-  }
-  if ((format->iformat->flags & AVFMT_TS_DISCONT) != 0 && info_.timestamps &&
-      format->start_time != AV_NOPTS_VALUE) {
-    info_.start = av_rescale_q(format->start_time, AVRational{1, AV_TIME_BASE}, stream->time_base);
-  }
-  if (stream->duration > 0) {
-    info_.seconds = double(stream->duration) * av_q2d(stream->time_base);
-  } else if (format->duration > 0) {
-    info_.seconds = double(format->duration) / AV_TIME_BASE;
-  }
-  info_.frames = stream->nb_frames > 0 ? std::uint64_t(stream->nb_frames)
-                                       : std::uint64_t(std::lround(info_.seconds * info_.frame_rate.value()));
-  if (info_.still) info_.frames = 1;
 }
 
 std::vector<int> StreamSource::copied_streams() const {
@@ -175,6 +110,7 @@ void StreamSource::feed() {
   if (!why.empty()) {
     if (strict_) throw Error(ErrorKind::kInput, demuxer_.cannot_read() + why);
     warnings_.add("the input ends early: " + why);
+    cut_short_ = true;
   }
   if (!packet) {
     avcodec_send_packet(decoder_.get(), nullptr);
@@ -223,9 +159,35 @@ std::int64_t StreamSource::duration_of(const AVFrame& frame) const {
   return av_rescale_q(1, av_inv_q(to_av(info_.frame_rate)), to_av(info_.time_base));
 }
 
+/// What stands beside the last frame may be nothing (Matroska), or the time until the next frame to be
+/// decoded (mp4); the end of the track tells better.
+std::int64_t StreamSource::last_duration(const AVFrame& frame) const {
+  const std::int64_t usual = duration_of(frame);
+  const double end = told_end(*demuxer_.video());
+  if (end <= 0 || usual <= 0) return usual;
+  const std::int64_t told = std::llround(end / info_.time_base.value()) - frame.pts;
+  return told > usual / 4 && told < usual * 4 ? told : usual;
+}
+
+/// Most demuxers take a file that is cut short for one that ends there.
+void StreamSource::check_end() {
+  const double end = told_end(*demuxer_.video());
+  if (!info_.timestamps || demuxer_.format()->duration_estimation_method == AVFMT_DURATION_FROM_BITRATE)
+    return;
+  const double tick = info_.time_base.value();
+  const double missing = end - double(last_pts_ + last_duration_) * tick;
+  if (missing < std::max(0.2, 3 * double(last_duration_) * tick) || cut_short_) return;
+  const std::string why = "it tells of " + std::to_string(missing) + " s more";
+  if (strict_) throw Error(ErrorKind::kInput, demuxer_.cannot_read() + why);
+  warnings_.add("the input ends early: " + why);
+}
+
 void StreamSource::look_ahead() {
   ahead_ = decode();
-  if (!ahead_) return;
+  if (!ahead_) {
+    check_end();
+    return;
+  }
   if (ahead_->width != info_.width || ahead_->height != info_.height) {
     warnings_.count("frames are of another size than the first, and scaled to it");
   }
@@ -239,7 +201,7 @@ bool StreamSource::next(Frame& frame) {
   frame.image = to_image_->convert(*current);
   frame.index = handed_out_++;
   frame.pts = current->pts;
-  frame.duration = ahead_ ? ahead_->pts - current->pts : duration_of(*current);
+  frame.duration = ahead_ ? ahead_->pts - current->pts : last_duration(*current);
   frame.packets = take_packets();
   return true;
 }

@@ -23,8 +23,6 @@ class StreamSource : public Source {
 
  private:
   void open_decoder(int threads);
-  void describe();
-  void describe_time(const ReadOptions& options);
   FramePtr decode();
   FramePtr receive();
   void feed();
@@ -32,7 +30,9 @@ class StreamSource : public Source {
   void damage(const std::string& why);
   void stamp(AVFrame& frame);
   std::int64_t duration_of(const AVFrame& frame) const;
+  std::int64_t last_duration(const AVFrame& frame) const;
   void look_ahead();
+  void check_end();
 
   Demuxer demuxer_;
   bool strict_;
@@ -42,7 +42,7 @@ class StreamSource : public Source {
   std::vector<Packet> packets_;
   std::uint64_t decoded_ = 0, handed_out_ = 0;
   std::int64_t last_pts_ = AV_NOPTS_VALUE, last_duration_ = 0;
-  bool drained_ = false;
+  bool drained_ = false, cut_short_ = false;
 };
 
 }  // namespace knotreel::video

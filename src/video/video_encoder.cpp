@@ -13,10 +13,15 @@ namespace {
 /// MPEG-4 part 2 writes the time base in 16 bits.
 constexpr int kMpeg4Ticks = 65535;
 
-Error refused(const AVCodecContext& encoder, const WriteOptions& options, int code) {
-  std::string what = "encoder '" + std::string(encoder.codec->name) + "' refuses " +
-                     std::to_string(encoder.width) + "x" + std::to_string(encoder.height) + " " +
-                     av_get_pix_fmt_name(encoder.pix_fmt);
+/// libav does not tell this reliably by a flag. Matroska, mp4, nut and the like keep any times.
+bool has_fixed_rate(const AVOutputFormat& container) {
+  const std::string name = container.name;
+  return name == "avi" || name == "gxf" || name == "yuv4mpegpipe" || name.starts_with("mxf");
+}
+
+Error refused(const AVCodecContext& encoder, const std::string& name, const WriteOptions& options, int code) {
+  std::string what = "encoder '" + name + "' refuses " + std::to_string(encoder.width) + "x" +
+                     std::to_string(encoder.height) + " " + av_get_pix_fmt_name(encoder.pix_fmt);
   if (!options.preset.empty()) what += ", preset '" + options.preset + "'";
   return Error(ErrorKind::kInvalidArgument, what + ": " + error_text(code));
 }
@@ -55,17 +60,16 @@ void VideoEncoder::set_times(const AVOutputFormat& container) {
   const AVRational rate = info_.frame_rate.known() ? to_av(info_.frame_rate) : AVRational{25, 1};
   encoder_->framerate = rate;
   encoder_->time_base = to_av(info_.time_base);
-  constexpr int kFree = AVFMT_VARIABLE_FPS | AVFMT_NOTIMESTAMPS;
-  const bool fixed = (container.flags & kFree) == 0;
   const bool coarse = encoder_->codec_id == AV_CODEC_ID_MPEG4 && encoder_->time_base.den > kMpeg4Ticks;
-  if (fixed || coarse) encoder_->time_base = av_inv_q(rate);
+  if (has_fixed_rate(container) || coarse) encoder_->time_base = av_inv_q(rate);
 }
 
 void VideoEncoder::open(const WriteOptions& options) {
   Options dictionary;
   set_quality(*encoder_, dictionary, options);
+  const std::string name = encoder_->codec->name;  // a failure takes the codec away
   const int result = avcodec_open2(encoder_.get(), encoder_->codec, dictionary.get());
-  if (result < 0) throw refused(*encoder_, options, result);
+  if (result < 0) throw refused(*encoder_, name, options, result);
 }
 
 void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64_t duration,

@@ -1,0 +1,103 @@
+#include "stream_description.h"
+
+#include <cmath>
+#include <cstdio>
+
+#include "colour_rules.h"
+#include "demuxer.h"
+
+namespace knotreel::video {
+namespace {
+
+/// Raw streams are cut into packets by a parser, whose times are guesses; rawvideo knows its rate.
+bool has_times(const AVInputFormat& format, const AVFrame& first) {
+  if ((format.flags & AVFMT_NOTIMESTAMPS) != 0 || reads_pictures(format)) return false;
+  const bool raw = format.raw_codec_id != AV_CODEC_ID_NONE && format.raw_codec_id != AV_CODEC_ID_RAWVIDEO;
+  return !raw && first.best_effort_timestamp != AV_NOPTS_VALUE;
+}
+
+ColourTags colours(const AVFrame& frame, const AVPixFmtDescriptor& description) {
+  const auto format = AVPixelFormat(frame.format);
+  ColourTags tags;
+  tags.range = without_range(format) != format ? int(AVCOL_RANGE_JPEG) : int(frame.color_range);
+  tags.matrix = is_rgb(description) ? int(AVCOL_SPC_UNSPECIFIED) : int(frame.colorspace);
+  tags.primaries = frame.color_primaries;
+  tags.transfer = frame.color_trc;
+  tags.chroma_location = frame.chroma_location;
+  return tags;
+}
+
+void describe_pictures(StreamInfo& info, AVFormatContext& format, AVStream& stream, AVFrame& frame) {
+  const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(AVPixelFormat(frame.format));
+  info.width = frame.width;
+  info.height = frame.height;
+  info.channels = channels_of(description);
+  info.depth = depth_of(description);
+  info.pixel_format = description.name;
+  info.colour = colours(frame, description);
+  info.sample_aspect = from_av(av_guess_sample_aspect_ratio(&format, &stream, &frame));
+  std::size_t size = 0;
+  const std::uint8_t* matrix = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &size);
+  if (matrix == nullptr) return;
+  const auto* bytes = reinterpret_cast<const std::byte*>(matrix);
+  info.display_matrix.assign(bytes, bytes + size);
+}
+
+/// Time base and rate, which depend on each other where a source has no times.
+void describe_times(StreamInfo& info, AVFormatContext& format, AVStream& stream,
+                    const AVCodecContext& decoder, const ReadOptions& options) {
+  const bool told = options.demuxer_options.contains("framerate");
+  info.frame_rate = from_av(av_guess_frame_rate(&format, &stream, nullptr));
+  if (!info.timestamps && !told && decoder.framerate.num > 0) info.frame_rate = from_av(decoder.framerate);
+  if (reads_pictures(*format.iformat) && !told) info.frame_rate = options.image_rate;
+  info.time_base = from_av(stream.time_base);
+  if (!info.timestamps) {
+    if (!info.frame_rate.known()) info.frame_rate = {25, 1};
+    info.time_base = {info.frame_rate.den, info.frame_rate.num};
+  }
+  const bool clock = (format.iformat->flags & AVFMT_TS_DISCONT) != 0 && info.timestamps;
+  if (clock && format.start_time != AV_NOPTS_VALUE) {
+    info.start = av_rescale_q(format.start_time, AVRational{1, AV_TIME_BASE}, stream.time_base);
+  }
+}
+
+void estimate_length(StreamInfo& info, const AVFormatContext& format, const AVStream& stream) {
+  if (stream.duration > 0) {
+    info.seconds = double(stream.duration) * av_q2d(stream.time_base);
+  } else if (format.duration > 0) {
+    info.seconds = double(format.duration) / AV_TIME_BASE;
+  }
+  info.frames = stream.nb_frames > 0 ? std::uint64_t(stream.nb_frames)
+                                     : std::uint64_t(std::llround(info.seconds * info.frame_rate.value()));
+  const bool seekable = format.pb != nullptr && (format.pb->seekable & AVIO_SEEKABLE_NORMAL) != 0;
+  info.still = reads_pictures(*format.iformat) && stream.nb_frames <= 1 && seekable;
+  if (info.still) info.frames = 1;
+}
+
+}  // namespace
+
+StreamInfo describe_stream(AVFormatContext& format, AVStream& stream, const AVCodecContext& decoder,
+                           AVFrame& first, const ReadOptions& options) {
+  StreamInfo info;
+  info.codec = avcodec_get_name(decoder.codec_id);
+  info.container = format.iformat->name;
+  info.timestamps = has_times(*format.iformat, first);
+  describe_pictures(info, format, stream, first);
+  describe_times(info, format, stream, decoder, options);
+  estimate_length(info, format, stream);
+  return info;
+}
+
+/// Matroska tells it in its tags, as "00:01:02.345000000".
+double told_end(const AVStream& stream) {
+  if (stream.duration > 0 && stream.start_time != AV_NOPTS_VALUE) {
+    return double(stream.start_time + stream.duration) * av_q2d(stream.time_base);
+  }
+  const AVDictionaryEntry* entry = av_dict_get(stream.metadata, "DURATION", nullptr, 0);
+  int hours = 0, minutes = 0;
+  double seconds = 0;
+  if (entry == nullptr || std::sscanf(entry->value, "%d:%d:%lf", &hours, &minutes, &seconds) != 3) return 0;
+  return 3600.0 * hours + 60.0 * minutes + seconds;
+}
+
+}  // namespace knotreel::video

@@ -1,0 +1,108 @@
+#include <gtest/gtest.h>
+
+#include <cstring>
+
+#include "clips.h"
+#include "sound_clip.h"
+#include "support/temp_dir.h"
+
+namespace knotreel::video {
+namespace {
+
+using test::TempDir;
+
+/// Reads a video, writes it again with its other streams copied, and gives the writer's warnings.
+std::vector<std::string> transcode(const std::string& from, const std::string& to) {
+  VideoReader reader = VideoReader::open(from);
+  VideoWriter writer = VideoWriter::create(to, reader.info(), {}, &reader);
+  Frame frame;
+  while (reader.next(frame)) {
+    writer.write_packets(frame.packets);
+    writer.write(frame.image, frame.pts, frame.duration);
+  }
+  writer.write_packets(reader.remaining_packets());
+  writer.finish();
+  return writer.warnings();
+}
+
+bool same_bytes(const Packet& a, const Packet& b) {
+  return a.bytes().size() == b.bytes().size() &&
+         std::memcmp(a.bytes().data(), b.bytes().data(), a.bytes().size()) == 0;
+}
+
+struct Copy {
+  const char* from;
+  const char* codec;
+  const char* to;
+  double slack;  ///< of times, in seconds: what the containers round
+};
+
+class Copied : public testing::TestWithParam<Copy> {};
+
+TEST_P(Copied, SoundIsTheSameAndInTime) {
+  const Copy& c = GetParam();
+  const TempDir dir;
+  write_sound_clip(dir / c.from, c.codec, true);
+  EXPECT_TRUE(transcode(dir / c.from, dir / c.to).empty());
+  const WholeClip source = read_clip(dir / c.from), copy = read_clip(dir / c.to);
+  EXPECT_EQ(copy.frames.size(), 25u);
+  ASSERT_GT(source.packets.size(), 10u);
+  ASSERT_EQ(copy.packets.size(), source.packets.size());
+  // Matroska has no times before zero: everything moves together.
+  const double shift = seconds(copy).at(0) - seconds(source).at(0);
+  for (std::size_t i = 0; i < copy.packets.size(); ++i) {
+    EXPECT_TRUE(same_bytes(copy.packets[i], source.packets[i])) << i;
+    EXPECT_NEAR(copy.packets[i].seconds() - shift, source.packets[i].seconds(), c.slack) << i;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Containers, Copied,
+    testing::Values(Copy{"a.mp4", "aac", "b.mp4", 1e-9}, Copy{"a.mp4", "aac", "b.mov", 1e-9},
+                    Copy{"a.mp4", "aac", "b.mkv", 0.0011}, Copy{"a.mkv", "aac", "b.mp4", 0.0011},
+                    Copy{"a.mov", "pcm_s16le", "b.mov", 1e-9}, Copy{"a.mov", "pcm_s16le", "b.mkv", 0.0011}));
+
+TEST(Copies, WhatTheContainerDoesNotTakeIsLeftOutAndTold) {
+  const TempDir dir;
+  write_sound_clip(dir / "a.mp4", "aac", true);
+  for (const char* name : {"b.webm", "b.y4m"}) {
+    const std::vector<std::string> warnings = transcode(dir / "a.mp4", dir / name);
+    ASSERT_EQ(warnings.size(), 1u) << name;
+    EXPECT_NE(warnings[0].find("aac"), std::string::npos);
+    const WholeClip copy = read_clip(dir / name);
+    EXPECT_EQ(copy.frames.size(), 25u);
+    EXPECT_TRUE(copy.packets.empty());
+  }
+}
+
+TEST(Copies, AreNotReadIfNotWanted) {
+  const TempDir dir;
+  write_sound_clip(dir / "a.mp4", "aac", true);
+  ReadOptions options;
+  options.copy_streams = false;
+  EXPECT_TRUE(read_clip(dir / "a.mp4", options).packets.empty());
+}
+
+TEST(Copies, TravelWithTheFrames) {
+  const TempDir dir;
+  write_sound_clip(dir / "a.mp4", "aac", true);
+  std::size_t most = 0;
+  for (const Frame& frame : read_clip(dir / "a.mp4").frames) most = std::max(most, frame.packets.size());
+  EXPECT_LT(most, 40u);
+}
+
+TEST(Copies, SoundAloneIsNoVideo) {
+  const TempDir dir;
+  write_sound_clip(dir / "a.mp4", "aac", false);
+  const std::string path = dir / "a.mp4";
+  try {
+    VideoReader::open(path);
+    FAIL();
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::kInput);
+    EXPECT_EQ(std::string(e.what()), "'" + path + "' has no video stream");
+  }
+}
+
+}  // namespace
+}  // namespace knotreel::video

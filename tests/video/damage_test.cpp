@@ -1,0 +1,92 @@
+#include <gtest/gtest.h>
+
+#include "clips.h"
+#include "support/temp_dir.h"
+
+namespace knotreel::video {
+namespace {
+
+using test::read_text;
+using test::TempDir;
+using test::write_text;
+
+TEST(Damage, WhatIsNoVideoIsAnInputError) {
+  const TempDir dir;
+  write_text(dir / "empty.mp4", "");
+  write_text(dir / "text.txt", "This is a text, and not a video at all.\n");
+  write_text(dir / "text.mp4", "This is a text, and not a video at all.\n");
+  std::string noise;
+  for (unsigned i = 0, x = 1; i < 20000; ++i) noise += char((x = x * 1664525 + 1013904223) >> 24);
+  write_text(dir / "noise.mkv", noise);
+  write_text(dir / "noise", noise);
+  for (const char* name : {"empty.mp4", "text.txt", "text.mp4", "noise.mkv", "noise", "missing.mp4",
+                           "missing%d.png", "*.jpg", "no folder/a.mp4"}) {
+    EXPECT_EQ(kind_of([&] { VideoReader::open(dir / name); }), ErrorKind::kInput) << name;
+  }
+  EXPECT_EQ(kind_of([&] { VideoReader::open(dir.path() / ""); }), ErrorKind::kInput);
+}
+
+TEST(Damage, Mp4WithoutItsEndCannotBeRead) {
+  const TempDir dir;
+  write_clip(dir / "a.mp4", moving_pattern(64, 48, 3, 20));
+  const std::string bytes = read_text(dir / "a.mp4");
+  for (const std::size_t part : {std::size_t(40), bytes.size() / 2, bytes.size() - 100}) {
+    write_text(dir / "b.mp4", bytes.substr(0, part));
+    EXPECT_EQ(kind_of([&] { VideoReader::open(dir / "b.mp4"); }), ErrorKind::kInput) << part;
+  }
+}
+
+TEST(Damage, MatroskaWithoutItsEndGivesWhatIsThere) {
+  const TempDir dir;
+  write_clip(dir / "a.mkv", moving_pattern(64, 48, 3, 20), with_codec("ffv1"));
+  const std::string bytes = read_text(dir / "a.mkv");
+  write_text(dir / "b.mkv", bytes.substr(0, bytes.size() / 2));
+  const WholeClip clip = read_clip(dir / "b.mkv");
+  EXPECT_GE(clip.frames.size(), 8u);
+  EXPECT_LE(clip.frames.size(), 11u);
+  EXPECT_FALSE(clip.warnings.empty());
+  ReadOptions strict;
+  strict.strict = true;
+  EXPECT_EQ(kind_of([&] { read_clip(dir / "b.mkv", strict); }), ErrorKind::kInput);
+}
+
+TEST(Damage, IsCountedAndStrictlyAnError) {
+  const TempDir dir;
+  write_clip(dir / "a.mp4", moving_pattern(320, 240, 3, 20), with_codec("h264"));
+  std::string bytes = read_text(dir / "a.mp4");
+  for (std::size_t i = 0; i < 400; ++i) bytes[bytes.size() / 2 + i] = 0;
+  write_text(dir / "b.mp4", bytes);
+  ReadOptions options;
+  options.threads = 1;  // several may be too late to tell that a frame was mended
+  const WholeClip clip = read_clip(dir / "b.mp4", options);
+  EXPECT_GE(clip.frames.size(), 15u);
+  EXPECT_GT(clip.damaged, 0u);
+  EXPECT_GE(clip.warnings.size(), 1u);
+  ReadOptions strict;
+  strict.strict = true;
+  EXPECT_EQ(kind_of([&] { read_clip(dir / "b.mp4", strict); }), ErrorKind::kInput);
+}
+
+TEST(Damage, NeverDoesMoreThanToFail) {
+  const TempDir dir;
+  for (const char* name : {"a.mp4", "a.mkv", "a.avi"}) {
+    write_clip(dir / name, moving_pattern(64, 48, 3, 6));
+    const std::string whole = read_text(dir / name);
+    for (unsigned seed = 1; seed <= 40; ++seed) {
+      std::string bytes = whole;
+      for (unsigned i = 0, x = seed; i < 20; ++i) {
+        x = x * 1664525 + 1013904223;
+        bytes[x % bytes.size()] = char(x >> 24);
+      }
+      write_text(dir / name, bytes);
+      try {
+        read_clip(dir / name);
+      } catch (const Error& e) {
+        EXPECT_EQ(e.kind(), ErrorKind::kInput) << e.what();
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace knotreel::video

@@ -1,0 +1,172 @@
+#include <fcntl.h>
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <thread>
+
+#include "clips.h"
+#include "knotreel/image/read_image.h"
+#include "support/pictures.h"
+#include "support/temp_dir.h"
+
+namespace knotreel::video {
+namespace {
+
+using test::largest_difference;
+using test::read_text;
+using test::TempDir;
+using test::write_text;
+
+WriteOptions into(const std::string& container) {
+  WriteOptions options;
+  options.container = container;
+  return options;
+}
+
+std::string digest_of(const ClipSpec& clip) {
+  VideoWriter writer = VideoWriter::create("", clip.info, into("hash"));
+  for (std::size_t i = 0; i < clip.images.size(); ++i)
+    writer.write(clip.images[i], clip.pts[i], clip.durations[i]);
+  writer.finish();
+  return writer.digest();
+}
+
+TEST(Outputs, FilesAppearWhenFinished) {
+  const TempDir dir;
+  write_text(dir / "a.mp4", "old");
+  {
+    const ClipSpec clip = moving_pattern(64, 48, 3, 3);
+    VideoWriter writer = VideoWriter::create(dir / "a.mp4", clip.info);
+    writer.write(clip.images[0], 0, 1);
+    EXPECT_EQ(dir.entries(), 2u);
+  }
+  EXPECT_EQ(dir.entries(), 1u);
+  EXPECT_EQ(read_text(dir / "a.mp4"), "old");
+}
+
+TEST(Outputs, WhatWasWrittenSoFarCanBeFinished) {
+  const TempDir dir;
+  const ClipSpec clip = moving_pattern(64, 48, 3, 30);
+  VideoWriter writer = VideoWriter::create(dir / "a.mp4", clip.info);
+  for (std::size_t i = 0; i < 7; ++i) writer.write(clip.images[i], clip.pts[i], 1);
+  writer.finish();
+  EXPECT_EQ(read_clip(dir / "a.mp4").frames.size(), 7u);
+  EXPECT_EQ(kind_of([&] { writer.write(clip.images[7], 7, 1); }), ErrorKind::kInvalidArgument);
+}
+
+TEST(Outputs, FullDisksAreToldWithTheName) {
+  const ClipSpec clip = moving_pattern(64, 48, 3, 100);
+  for (const char* container : {"matroska", "mp4", "rawvideo", "yuv4mpegpipe"}) {
+    try {
+      write_clip("/dev/full", clip, into(container));
+      ADD_FAILURE() << container;
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::kOutput);
+      EXPECT_EQ(std::string(e.what()), "cannot write '/dev/full': No space left on device") << container;
+    }
+  }
+}
+
+TEST(Outputs, WhatCannotBeIsRefused) {
+  const TempDir dir;
+  const StreamInfo info = moving_pattern(64, 48, 3, 1).info;
+  const auto refused = [&](const std::string& name, const WriteOptions& options) {
+    EXPECT_EQ(kind_of([&] { VideoWriter::create(dir / name, info, options); }), ErrorKind::kInvalidArgument)
+        << name;
+    EXPECT_EQ(dir.entries(), 0u) << name;
+  };
+  refused("a.mp4", with_codec("nonsense"));
+  refused("a.mp4", with_codec("aac"));
+  refused("a.mp4", with_codec("h264", "nonsense"));
+  refused("a.mp4", with_codec("h264", "gbrp16le"));
+  refused("a.webm", with_codec("h264"));
+  refused("a.nonsense", {});
+  refused("a", {});
+  refused("a.mp4", into("nonsense"));
+  refused("a.mp4", into("hls"));
+  WriteOptions preset;
+  preset.preset = "nonsense";
+  refused("a.mp4", preset);
+  EXPECT_EQ(kind_of([&] { VideoWriter::create(dir / "no folder/a.mp4", info); }), ErrorKind::kOutput);
+}
+
+TEST(Outputs, FramesMustFit) {
+  const ClipSpec clip = moving_pattern(64, 48, 3, 2);
+  VideoWriter writer = VideoWriter::create("", clip.info, into("null"));
+  writer.write(clip.images[0], 5, 1);
+  EXPECT_EQ(kind_of([&] { writer.write(clip.images[1], 5, 1); }), ErrorKind::kInvalidArgument);
+  EXPECT_EQ(kind_of([&] { writer.write(image::make_image(64, 47, 3), 6, 1); }), ErrorKind::kInvalidArgument);
+  EXPECT_EQ(kind_of([&] { writer.write(image::make_image(64, 48, 4), 6, 1); }), ErrorKind::kInvalidArgument);
+}
+
+TEST(Outputs, HashesTellSamplesAndTimesApart) {
+  const ClipSpec clip = moving_pattern(16, 8, 3, 3);
+  const std::string digest = digest_of(clip);
+  EXPECT_EQ(digest.size(), 7u + 64u);
+  EXPECT_EQ(digest_of(clip), digest);
+  ClipSpec other = clip;
+  other.images[2].samples[17] += 1;
+  EXPECT_NE(digest_of(other), digest);
+  other = clip;
+  other.pts[2] += 1;
+  EXPECT_NE(digest_of(other), digest);
+  other = clip;
+  other.images[1].samples[0] += 0.2F;
+  EXPECT_EQ(digest_of(other), digest);
+  other.info.depth = 10;
+  EXPECT_NE(digest_of(other), digest);
+}
+
+TEST(Outputs, NumberedPictures) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(16, 8, 3, 3);
+  clip.info.depth = 16;
+  clip.images[1] = test::random_picture(16, 8, 3, 1);
+  write_clip(dir / "out_%04d.png", clip);
+  EXPECT_EQ(dir.entries(), 3u);
+  EXPECT_LE(largest_difference(image::read_image(dir / "out_0002.png"), clip.images[1]), 0);
+  EXPECT_EQ(kind_of([&] { write_clip(dir / "out_%04d.mp3", clip); }), ErrorKind::kInvalidArgument);
+}
+
+TEST(Outputs, OnePictureHoldsOneFrame) {
+  const TempDir dir;
+  write_clip(dir / "a.png", moving_pattern(16, 8, 3, 1));
+  EXPECT_EQ(image::read_image(dir / "a.png").width, 16);
+  EXPECT_EQ(kind_of([&] { write_clip(dir / "b.png", moving_pattern(16, 8, 3, 2)); }),
+            ErrorKind::kInvalidArgument);
+}
+
+TEST(Outputs, PipesGetStreamsThatNeedNoSeeking) {
+  const TempDir dir;
+  for (const char* container : {"mp4", "matroska", "yuv4mpegpipe", "nut"}) {
+    int ends[2];
+    ASSERT_EQ(::pipe(ends), 0);
+    std::string bytes;
+    std::thread reader([&] {
+      char buffer[4096];
+      ssize_t n;
+      while ((n = ::read(ends[0], buffer, sizeof buffer)) > 0) bytes.append(buffer, std::size_t(n));
+    });
+    write_clip("/dev/fd/" + std::to_string(ends[1]), moving_pattern(64, 48, 3, 30), into(container));
+    ::close(ends[1]);
+    reader.join();
+    ::close(ends[0]);
+    write_text(dir / "a", bytes);
+    const WholeClip back = read_clip(dir / "a");
+    EXPECT_EQ(back.frames.size(), 30u) << container;
+    const bool shifts =
+        std::string(container) == "nut";  // by the delay of B-frames, as it cannot start below 0
+    EXPECT_TRUE(shifts || back.frames.at(0).pts == 0) << container;
+  }
+}
+
+TEST(Outputs, OneThreadGivesTheSameBytesTwice) {
+  const TempDir dir;
+  for (const char* name : {"a.mp4", "b.mp4"}) {
+    write_clip(dir / name, moving_pattern(64, 48, 3, 10), with_codec("h264"));
+  }
+  EXPECT_EQ(read_text(dir / "a.mp4"), read_text(dir / "b.mp4"));
+}
+
+}  // namespace
+}  // namespace knotreel::video

@@ -1,0 +1,149 @@
+#include <gtest/gtest.h>
+
+#include "clips.h"
+#include "support/pictures.h"
+#include "support/temp_dir.h"
+
+namespace knotreel::video {
+namespace {
+
+using test::largest_difference;
+using test::TempDir;
+
+struct Exact {
+  const char* format;
+  int channels;
+  int depth;
+};
+
+class Lossless : public testing::TestWithParam<Exact> {};
+
+TEST_P(Lossless, GivesTheSamePictures) {
+  const auto [format, channels, depth] = GetParam();
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(37, 23, channels, 3);
+  clip.info.depth = depth;
+  clip.info.pixel_format = format;
+  for (unsigned i = 0; i < 3; ++i) {
+    clip.images[i] = depth == 8 ? test::random_8bit_picture(37, 23, channels, i)
+                                : test::random_picture(37, 23, channels, i);
+  }
+  const std::string path = dir / "a.mkv";
+  write_clip(path, clip, with_codec("ffv1"));
+  const WholeClip back = read_clip(path);
+  ASSERT_EQ(back.frames.size(), 3u);
+  EXPECT_EQ(back.info.depth, depth);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_LE(largest_difference(back.frames[i].image, clip.images[i]), 1e-4);
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, Lossless,
+                         testing::Values(Exact{"gray", 1, 8}, Exact{"gray16le", 1, 16}, Exact{"ya8", 2, 8},
+                                         Exact{"rgb24", 3, 8}, Exact{"gbrp", 3, 8}, Exact{"rgba", 4, 8},
+                                         Exact{"rgb48le", 3, 16}, Exact{"gbrp16le", 3, 16},
+                                         Exact{"rgba64le", 4, 16}, Exact{"", 3, 8}, Exact{"", 1, 8}));
+
+struct Kept {
+  const char* file;
+  const char* codec;
+  const char* source;
+  const char* written;
+  int width, height;
+  double tolerance;  ///< mean difference
+};
+
+class PixelFormats : public testing::TestWithParam<Kept> {};
+
+TEST_P(PixelFormats, AreNearestToTheSource) {
+  const Kept& c = GetParam();
+  const TempDir dir;
+  const bool grey = std::string(c.source).starts_with("gray");
+  const bool alpha = std::string(c.source).starts_with("yuva");
+  ClipSpec clip = moving_pattern(c.width, c.height, grey ? 1 : alpha ? 4 : 3, 3);
+  clip.info.pixel_format = c.source;
+  clip.info.depth = std::string(c.source).ends_with("10le") ? 10 : 8;
+  const std::string path = dir / c.file;
+  write_clip(path, clip, with_codec(c.codec));
+  const WholeClip back = read_clip(path);
+  EXPECT_EQ(back.info.pixel_format, c.written);
+  ASSERT_EQ(back.frames.size(), 3u);
+  for (std::size_t i = 0; i < 3; ++i)
+    EXPECT_LE(
+        mean_difference(back.frames[i].image, image::widen_channels(clip.images[i], back.info.channels)),
+        c.tolerance);
+}
+
+INSTANTIATE_TEST_SUITE_P(Encoders, PixelFormats,
+                         testing::Values(Kept{"a.mp4", "h264", "yuv420p", "yuv420p", 64, 48, 4},
+                                         Kept{"a.mp4", "h264", "yuv420p10le", "yuv420p10le", 64, 48, 4},
+                                         Kept{"a.mp4", "h264", "yuv444p", "yuv444p", 64, 48, 3},
+                                         Kept{"a.mp4", "h264", "yuvj420p", "yuv420p", 64, 48, 4},
+                                         Kept{"a.mp4", "h264", "gray", "yuv420p", 64, 48, 3},
+                                         Kept{"odd.mp4", "h264", "yuv420p", "yuv444p", 65, 47, 3},
+                                         Kept{"one.mp4", "h264", "yuv420p", "yuv444p", 1, 1, 6},
+                                         Kept{"a.mkv", "hevc", "yuv420p10le", "yuv420p10le", 64, 48, 4},
+                                         Kept{"odd.webm", "", "yuv420p", "yuv420p", 65, 47, 5},
+                                         Kept{"alpha.webm", "vp9", "yuva420p", "yuva420p", 64, 48, 5},
+                                         Kept{"odd.mkv", "ffv1", "yuv420p", "yuv420p", 65, 47, 3},
+                                         Kept{"deep.mkv", "ffv1", "yuv444p10le", "yuv444p10le", 65, 47, 0.3},
+                                         Kept{"odd.y4m", "", "yuv420p", "yuv420p", 65, 47, 4},
+                                         Kept{"deep.y4m", "", "yuv422p10le", "yuv422p10le", 64, 48, 2},
+                                         Kept{"odd.avi", "", "yuv420p", "yuv420p", 65, 47, 5},
+                                         Kept{"odd.mov", "prores", "yuv420p", "yuv444p12le", 65, 47, 3},
+                                         Kept{"a.mov", "prores", "yuv422p10le", "yuv422p10le", 64, 48, 3},
+                                         Kept{"a.mkv", "av1", "yuv420p", "yuv420p", 64, 48, 6}));
+
+TEST(RoundTrip, TagsAspectAndRotationSurvive) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(64, 48, 3, 2);
+  clip.info.colour = {1, 9, 9, 16, 3};
+  clip.info.sample_aspect = {4, 3};
+  const std::int32_t matrix[9] = {0, 65536, 0, -65536, 0, 0, 0, 0, 1 << 30};
+  clip.info.display_matrix.resize(sizeof matrix);
+  std::copy_n(reinterpret_cast<const std::byte*>(matrix), sizeof matrix, clip.info.display_matrix.begin());
+  for (const char* name : {"a.mp4", "a.mov", "a.mkv"}) {
+    write_clip(dir / name, clip, with_codec("h264"));
+    const StreamInfo back = read_clip(dir / name).info;
+    EXPECT_EQ(back.colour, clip.info.colour) << name;
+    EXPECT_EQ(back.sample_aspect, clip.info.sample_aspect) << name;
+    const bool rotates = std::string(name) != "a.mkv";
+    EXPECT_EQ(back.display_matrix.empty(), !rotates) << name;
+    EXPECT_TRUE(!rotates || back.display_matrix == clip.info.display_matrix) << name;
+  }
+}
+
+TEST(RoundTrip, RotationThatIsLostIsTold) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(16, 16, 3, 1);
+  clip.info.display_matrix.resize(36);
+  EXPECT_EQ(VideoWriter::create(dir / "a.mkv", clip.info).warnings().size(), 1u);
+}
+
+TEST(RoundTrip, WhatIsUntaggedStaysUntagged) {
+  const TempDir dir;
+  const ClipSpec clip = moving_pattern(64, 48, 3, 2);
+  for (const char* name : {"a.mp4", "a.mkv", "a.webm"}) {
+    write_clip(dir / name, clip);
+    const ColourTags tags = read_clip(dir / name).info.colour;
+    EXPECT_EQ(tags.matrix, 2) << name;
+    EXPECT_EQ(tags.primaries, 2) << name;
+    EXPECT_EQ(tags.transfer, 2) << name;
+  }
+}
+
+TEST(RoundTrip, FullRangeKeepsBlackAndWhite) {
+  const TempDir dir;
+  for (const int range : {1, 2}) {
+    ClipSpec clip = moving_pattern(32, 32, 3, 1);
+    clip.info.colour.range = range;
+    for (std::size_t i = 0; i < clip.images[0].samples.size(); ++i)
+      clip.images[0].samples[i] = i < 1536 ? 0 : 255;
+    write_clip(dir / "a.mkv", clip, with_codec("ffv1", "yuv444p"));
+    const WholeClip back = read_clip(dir / "a.mkv");
+    EXPECT_EQ(back.info.colour.range, range);
+    EXPECT_LE(largest_difference(back.frames.at(0).image, clip.images[0]), 1e-3);
+  }
+}
+
+}  // namespace
+}  // namespace knotreel::video

@@ -1,0 +1,132 @@
+#include "sound_clip.h"
+
+#include <cmath>
+#include <cstring>
+#include <stdexcept>
+
+#include "video/libav.h"
+
+namespace knotreel::video {
+namespace {
+
+int checked(int result) {
+  if (result < 0) throw std::runtime_error(error_text(result));
+  return result;
+}
+
+/// One stream of the clip.
+struct Track {
+  CodecPtr encoder;
+  AVStream* stream = nullptr;
+};
+
+Track add_track(AVFormatContext& output, const AVCodec* codec) {
+  Track track;
+  track.encoder.reset(allocated(avcodec_alloc_context3(allocated(codec))));
+  track.stream = allocated(avformat_new_stream(&output, nullptr));
+  if ((output.oformat->flags & AVFMT_GLOBALHEADER) != 0) track.encoder->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
+  return track;
+}
+
+void open(Track& track) {
+  checked(avcodec_open2(track.encoder.get(), nullptr, nullptr));
+  checked(avcodec_parameters_from_context(track.stream->codecpar, track.encoder.get()));
+  track.stream->time_base = track.encoder->time_base;
+}
+
+Track add_sound(AVFormatContext& output, const std::string& codec) {
+  Track track = add_track(output, avcodec_find_encoder_by_name(codec.c_str()));
+  AVCodecContext& encoder = *track.encoder;
+  encoder.sample_rate = 44100;
+  encoder.sample_fmt = encoder.codec->sample_fmts[0];
+  encoder.time_base = {1, 44100};
+  av_channel_layout_default(&encoder.ch_layout, 1);
+  open(track);
+  return track;
+}
+
+Track add_video(AVFormatContext& output) {
+  Track track = add_track(output, avcodec_find_encoder(AV_CODEC_ID_MPEG4));
+  AVCodecContext& encoder = *track.encoder;
+  encoder.width = 64;
+  encoder.height = 48;
+  encoder.pix_fmt = AV_PIX_FMT_YUV420P;
+  encoder.time_base = {1, 25};
+  encoder.framerate = {25, 1};
+  open(track);
+  return track;
+}
+
+void send(AVFormatContext& output, Track& track, AVFrame* frame) {
+  checked(avcodec_send_frame(track.encoder.get(), frame));
+  const PacketPtr packet = new_packet();
+  while (avcodec_receive_packet(track.encoder.get(), packet.get()) >= 0) {
+    packet->stream_index = track.stream->index;
+    if (packet->duration == 0) packet->duration = 1;
+    av_packet_rescale_ts(packet.get(), track.encoder->time_base, track.stream->time_base);
+    checked(av_interleaved_write_frame(&output, packet.get()));
+  }
+}
+
+void fill(AVFrame& frame) {
+  for (int i = 0; i < frame.nb_samples; ++i) {
+    const double value = 0.3 * std::sin(0.06 * double(frame.pts + i));
+    if (frame.format == AV_SAMPLE_FMT_FLTP) {
+      reinterpret_cast<float*>(frame.data[0])[i] = float(value);
+    } else {
+      reinterpret_cast<std::int16_t*>(frame.data[0])[i] = std::int16_t(value * 32767);
+    }
+  }
+}
+
+void send_sound(AVFormatContext& output, Track& track) {
+  const int size = track.encoder->frame_size > 0 ? track.encoder->frame_size : 1024;
+  for (int at = 0; at + size <= 44100; at += size) {
+    const FramePtr frame = new_frame();
+    frame->format = track.encoder->sample_fmt;
+    frame->nb_samples = size;
+    frame->pts = at;
+    frame->sample_rate = 44100;
+    av_channel_layout_default(&frame->ch_layout, 1);
+    checked(av_frame_get_buffer(frame.get(), 0));
+    fill(*frame);
+    send(output, track, frame.get());
+  }
+  send(output, track, nullptr);
+}
+
+void send_video(AVFormatContext& output, Track& track) {
+  for (int i = 0; i < 25; ++i) {
+    const FramePtr frame = new_frame();
+    frame->format = AV_PIX_FMT_YUV420P;
+    frame->width = 64;
+    frame->height = 48;
+    frame->pts = i;
+    checked(av_frame_get_buffer(frame.get(), 0));
+    for (const AVBufferRef* buffer : frame->buf) {
+      if (buffer != nullptr) std::memset(buffer->data, 100 + i, buffer->size);
+    }
+    send(output, track, frame.get());
+  }
+  send(output, track, nullptr);
+}
+
+}  // namespace
+
+void write_sound_clip(const std::string& path, const std::string& codec, bool video) {
+  silence_libav();
+  AVFormatContext* output = nullptr;
+  checked(avformat_alloc_output_context2(&output, nullptr, nullptr, path.c_str()));
+  Track sound = add_sound(*output, codec);
+  Track picture;
+  if (video) picture = add_video(*output);
+  checked(avio_open(&output->pb, path.c_str(), AVIO_FLAG_WRITE));
+  checked(avformat_write_header(output, nullptr));
+  send_sound(*output, sound);
+  if (video) send_video(*output, picture);
+  checked(av_write_trailer(output));
+  avio_closep(&output->pb);
+  avformat_free_context(output);
+}
+
+}  // namespace knotreel::video

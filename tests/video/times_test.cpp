@@ -1,0 +1,126 @@
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+#include "clips.h"
+#include "support/temp_dir.h"
+
+namespace knotreel::video {
+namespace {
+
+using test::TempDir;
+
+ClipSpec variable_rate() {
+  ClipSpec clip = moving_pattern(64, 48, 3, 9);
+  clip.info.time_base = {1, 90000};
+  clip.pts = {0, 3003, 9000, 9001, 20000, 50000, 53003, 59999, 90000};
+  for (std::size_t i = 0; i + 1 < clip.pts.size(); ++i) clip.durations[i] = clip.pts[i + 1] - clip.pts[i];
+  clip.durations.back() = 7777;
+  return clip;
+}
+
+class ExactTimes : public testing::TestWithParam<const char*> {};
+
+TEST_P(ExactTimes, SurviveAVariableRate) {
+  const TempDir dir;
+  const ClipSpec clip = variable_rate();
+  write_clip(dir / GetParam(), clip, with_codec("h264"));
+  const WholeClip back = read_clip(dir / GetParam());
+  EXPECT_EQ(back.info.time_base, clip.info.time_base);
+  ASSERT_EQ(back.frames.size(), clip.pts.size());
+  for (std::size_t i = 0; i < clip.pts.size(); ++i) {
+    EXPECT_EQ(back.frames[i].index, i);
+    EXPECT_EQ(back.frames[i].pts, clip.pts[i]);
+    // The end of the last frame is that of the track's decoding times, which B-frames move a little.
+    EXPECT_NEAR(double(back.frames[i].duration), double(clip.durations[i]), i + 1 < clip.pts.size() ? 0 : 45)
+        << i;
+  }
+}
+
+TEST_P(ExactTimes, SurviveALateStart) {
+  const TempDir dir;
+  ClipSpec clip = variable_rate();
+  for (std::int64_t& pts : clip.pts) pts += 12345;
+  write_clip(dir / GetParam(), clip, with_codec("h264"));
+  const WholeClip back = read_clip(dir / GetParam());
+  ASSERT_EQ(back.frames.size(), clip.pts.size());
+  for (std::size_t i = 0; i < clip.pts.size(); ++i) EXPECT_EQ(back.frames[i].pts, clip.pts[i]);
+  EXPECT_NEAR(double(back.frames.back().duration), double(clip.durations.back()), 45);
+}
+
+INSTANTIATE_TEST_SUITE_P(Containers, ExactTimes, testing::Values("a.mp4", "a.mov"));
+
+TEST(Times, AreMillisecondsInMatroska) {
+  const TempDir dir;
+  ClipSpec clip = variable_rate();
+  clip.pts[3] = 9500;
+  for (const char* name : {"a.mkv", "a.webm"}) {
+    write_clip(dir / name, clip);
+    const std::vector<double> back = seconds(read_clip(dir / name));
+    ASSERT_EQ(back.size(), clip.pts.size());
+    for (std::size_t i = 0; i < back.size(); ++i) EXPECT_NEAR(back[i], double(clip.pts[i]) / 90000, 0.00051);
+  }
+}
+
+TEST(Times, OfTelevisionRatesAreExactInMp4) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(64, 48, 3, 30);
+  clip.info.time_base = {1001, 30000};
+  clip.info.frame_rate = {30000, 1001};
+  write_clip(dir / "a.mp4", clip);
+  const WholeClip back = read_clip(dir / "a.mp4");
+  EXPECT_EQ(back.info.frame_rate, clip.info.frame_rate);
+  EXPECT_EQ(back.info.time_base, (Rational{1, 30000}));
+  ASSERT_EQ(back.frames.size(), 30u);
+  EXPECT_EQ(back.frames[29].pts, 29 * 1001);
+  EXPECT_EQ(back.frames[29].duration, 1001);
+}
+
+TEST(Times, OfASingleFrameKeepItsDuration) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(64, 48, 3, 1);
+  clip.durations = {50};
+  for (const char* name : {"a.mp4", "a.mkv", "a.webm", "a.y4m", "a.avi"}) {
+    write_clip(dir / name, clip);
+    const WholeClip back = read_clip(dir / name);
+    ASSERT_EQ(back.frames.size(), 1u) << name;
+    EXPECT_FALSE(back.info.still);
+    EXPECT_TRUE(std::string(name) != "a.mp4" || back.frames[0].duration == 50);
+  }
+}
+
+TEST(Times, AreMovedWithAWarningWhereTheRateIsFixed) {
+  const TempDir dir;
+  const ClipSpec clip = variable_rate();
+  VideoWriter writer = VideoWriter::create(dir / "a.avi", clip.info);
+  for (std::size_t i = 0; i < clip.pts.size(); ++i)
+    writer.write(clip.images[i], clip.pts[i], clip.durations[i]);
+  writer.finish();
+  EXPECT_EQ(writer.warnings().size(), 1u);
+  EXPECT_EQ(read_clip(dir / "a.avi").frames.size(), 9u);
+}
+
+TEST(Times, OfRawStreamsComeFromTheRate) {
+  const TempDir dir;
+  write_clip(dir / "a.h264", moving_pattern(64, 48, 3, 12));
+  const WholeClip back = read_clip(dir / "a.h264");
+  EXPECT_FALSE(back.info.timestamps);
+  EXPECT_EQ(back.info.time_base, (Rational{1, 25}));
+  ASSERT_EQ(back.frames.size(), 12u);
+  for (std::size_t i = 0; i < 12; ++i) EXPECT_EQ(back.frames[i].pts, std::int64_t(i));
+  EXPECT_TRUE(back.warnings.empty());
+}
+
+TEST(Times, OfMpegTransportStartAtZeroAgain) {
+  const TempDir dir;
+  write_clip(dir / "a.ts", moving_pattern(64, 48, 3, 5));
+  WholeClip back = read_clip(dir / "a.ts");
+  EXPECT_GT(back.info.start, 0);
+  VideoWriter writer = VideoWriter::create(dir / "a.mp4", back.info);
+  for (const Frame& frame : back.frames) writer.write(frame.image, frame.pts, frame.duration);
+  writer.finish();
+  EXPECT_EQ(read_clip(dir / "a.mp4").frames.at(0).pts, 0);
+}
+
+}  // namespace
+}  // namespace knotreel::video
