@@ -55,7 +55,8 @@ class DisplacementGrid {
   std::vector<double> offsets_;
 };
 
-/// Places of the pixels but for a few hundredths of a pixel.
+}  // namespace
+
 std::vector<Vec2> rough_places(const spline::Basis& basis, std::span<const Vec2> displacement, int width,
                                int height) {
   const fit::PixelValues centres(basis, width, height, {});
@@ -71,8 +72,6 @@ std::vector<Vec2> rough_places(const spline::Basis& basis, std::span<const Vec2>
   }
   return places;
 }
-
-}  // namespace
 
 PlacedPixels place_pixels(const spline::Basis& basis, std::span<const Vec2> displacement,
                           const image::Image& picture) {

@@ -19,4 +19,8 @@ struct PlacedPixels {
 PlacedPixels place_pixels(const spline::Basis& basis, std::span<const Vec2> displacement,
                           const image::Image& picture);
 
+/// Places of the pixels but for a few hundredths of a pixel.
+std::vector<Vec2> rough_places(const spline::Basis& basis, std::span<const Vec2> displacement, int width,
+                               int height);
+
 }  // namespace knotreel::track

@@ -13,6 +13,7 @@ using mesh::KnotMesh;
 
 constexpr double kSpacing = 1.5;  // of samples along a curve, pixels
 constexpr double kStep = 0.5;     // of samples across it
+constexpr double kCertain = 20;   // levels over two steps: steeper edges have a smaller dead zone
 constexpr double kWeakest = 6;    // levels over two steps; less is no edge
 
 double luma_at(const motion::Luma& luma, Vec2 p) {
@@ -88,13 +89,18 @@ double slope_at(const motion::Luma& luma, Vec2 p, Vec2 normal) {
   return luma_at(luma, p + kStep * normal) - luma_at(luma, p + (-kStep) * normal);
 }
 
-/// The place along the normal with a slope most like the one before, nearer ones preferred.
-void find_edge(const motion::Luma& before, const motion::Luma& now, const SnapOptions& options, Sample& s) {
-  double known = 0;
+/// The steepest slope within half a pixel.
+double steepest_at(const motion::Luma& luma, Vec2 p, Vec2 normal) {
+  double steepest = 0;
   for (const double d : {-0.5, 0.0, 0.5}) {
-    const double slope = slope_at(before, s.before + d * s.normal, s.normal);
-    if (std::abs(slope) > std::abs(known)) known = slope;
+    const double slope = slope_at(luma, p + d * normal, normal);
+    if (std::abs(slope) > std::abs(steepest)) steepest = slope;
   }
+  return steepest;
+}
+
+/// The place along the normal with a slope most like a known one, nearer ones preferred.
+void find_edge(double known, const motion::Luma& now, const SnapOptions& options, Sample& s) {
   if (std::abs(known) < kWeakest) return;
   s.known = true;
   const int reach = static_cast<int>(std::lround(options.reach / kStep));
@@ -120,7 +126,9 @@ void find_edge(const motion::Luma& before, const motion::Luma& now, const SnapOp
   const double part = bend < 0 ? 0.5 * (steep[at - 1] - steep[at + 1]) / bend : 0;
   s.offset = (best - 1 - reach + std::clamp(part, -0.5, 0.5)) * kStep;
   s.weight = steep[at];
-  if (std::abs(s.offset) < options.dead_zone) s.offset = 0;
+  // Strong edges say more exactly where they are.
+  const double dead = options.dead_zone * std::clamp(kCertain / s.weight, 0.2, 1.0);
+  if (std::abs(s.offset) < dead) s.offset = 0;
 }
 
 /// Moves of the ends that meet the offsets of the samples.
@@ -167,7 +175,7 @@ std::vector<Vec2> solve(const std::vector<Sample>& samples, std::size_t knots, c
   for (std::size_t i = 0; i < ends.size(); ++i) {
     Vec2 d{x[static_cast<Eigen::Index>(2 * i)], x[static_cast<Eigen::Index>(2 * i + 1)]};
     if (norm(d) > options.reach) d = (options.reach / norm(d)) * d;
-    if (norm(d) > 0.5 * options.dead_zone) moves[ends[i]] = d;
+    if (norm(d) > 0.1 * options.dead_zone) moves[ends[i]] = d;
   }
   return moves;
 }
@@ -193,10 +201,35 @@ SnapResult snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displ
   SnapResult result{std::vector<Vec2>(mesh.knots.size()), std::vector<std::uint8_t>(mesh.segments.size(), 0)};
   if (mesh.segments.empty()) return result;
   std::vector<Sample> samples = place_samples(basis, displacement, mesh, motion);
-  for (Sample& s : samples) find_edge(before, now, options, s);
+  for (Sample& s : samples) find_edge(steepest_at(before, s.before, s.normal), now, options, s);
   result.lost = lost_segments(samples, mesh.segments.size(), options.least_found);
   const bool any = std::any_of(samples.begin(), samples.end(), [](const Sample& s) { return s.offset != 0; });
   if (any) result.moves = solve(samples, mesh.knots.size(), options);
+  return result;
+}
+
+EdgePoints find_edge_points(const spline::Basis& basis, std::span<const Vec2> displacement,
+                            const motion::Luma& now, const SnapOptions& options) {
+  const KnotMesh& mesh = basis.space().mesh();
+  EdgePoints result;
+  if (mesh.segments.empty()) return result;
+  const std::vector<Vec2> still(mesh.knots.size());
+  std::vector<Sample> samples = place_samples(basis, displacement, mesh, still);
+  std::vector<double> slopes(mesh.segments.size(), 0);
+  std::vector<double> counts(mesh.segments.size(), 0);
+  for (const Sample& s : samples) {
+    slopes[s.segment] += steepest_at(now, s.position, s.normal);
+    counts[s.segment] += 1;
+  }
+  double squares = 0;
+  for (Sample& s : samples) {
+    find_edge(slopes[s.segment] / counts[s.segment], now, options, s);
+    squares += s.offset * s.offset;
+    const Vec2 from = mesh.knots[s.a].position;
+    result.points.push_back(
+        {from + s.t * (mesh.knots[s.b].position - from), s.position + s.offset * s.normal});
+  }
+  result.rms = std::sqrt(squares / static_cast<double>(samples.size()));
   return result;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/fit/geometry_fit.h"
 #include "knotreel/motion/luma.h"
 #include "knotreel/spline/basis.h"
 
@@ -31,5 +32,16 @@ struct SnapResult {
 SnapResult snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displacement,
                          const mesh::KnotMesh& mesh, std::span<const Vec2> motion, const motion::Luma& before,
                          const motion::Luma& now, const SnapOptions& options = {});
+
+/// Points of the curves of a surface, and the edges of the picture next to them.
+struct EdgePoints {
+  std::vector<fit::CurvePoint> points;  ///< on the edge if there is one, else where the curve is
+  double rms = 0;                       ///< of the distances, pixels
+};
+
+/// Looks along the normals of all feature curves for the edges of a picture; of the steep places those of the
+/// direction that most of the segment has, and the nearest.
+EdgePoints find_edge_points(const spline::Basis& basis, std::span<const Vec2> displacement,
+                            const motion::Luma& now, const SnapOptions& options = {});
 
 }  // namespace knotreel::track

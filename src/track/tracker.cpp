@@ -206,6 +206,7 @@ class Tracker::Impl {
     lap("target");
     const KnotMesh before = space_->mesh();
     take_over(std::move(carried));
+    bend_curves(*motion.now);
     fit(picture, wanted);
     measure(picture);
     for (int pass = 0; pass < options_.most_repairs && report_->psnr < last_psnr_ - options_.repair_below;
@@ -218,7 +219,7 @@ class Tracker::Impl {
     }
     report_->survival = share_alive(before, space_->mesh());
     ++group_length_;
-    if (report_->psnr < group_psnr_ - options_.drift) return false;
+    if (report_->mec > cold_.mec && report_->psnr < group_psnr_ - options_.drift) return false;
     last_psnr_ = report_->psnr;
     prepare_next(picture, false);
     return true;
@@ -233,6 +234,17 @@ class Tracker::Impl {
     space_ = std::move(space);
     basis_ = std::make_unique<const spline::Basis>(space_);
     lap("space");
+  }
+
+  /// Fits the geometry to the edges again, if the curves miss them by too much.
+  void bend_curves(const motion::Luma& now) {
+    const EdgePoints edges = find_edge_points(*basis_, displacement_, now);
+    if (edges.rms <= options_.curve_error) return;
+    const std::vector<Vec2> places = rough_places(*basis_, displacement_, now.width, now.height);
+    const fit::PixelValues values(*basis_, now.width, now.height, places);
+    displacement_ = fit::fit_geometry(values, places, edges.points, cold_.geometry);
+    fit::unfold_geometry(*basis_, displacement_);
+    lap("geometry");
   }
 
   void fit(const image::Image& picture, const image::Image& wanted) {

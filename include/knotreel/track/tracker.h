@@ -16,13 +16,16 @@
 namespace knotreel::track {
 
 struct TrackOptions {
-  bool warm_start = true;         ///< false: every frame is made from its picture alone
-  double temporal_weight = 0.5;   ///< of what the frame before missed, 0 to 1: keeps noise from flickering
-  int keyframe_interval = 250;    ///< most frames of a group, 1 or more
-  double scene_threshold = 0.4;   ///< as motion::CutOptions::threshold
-  double drift = 1.0;             ///< dB below the start of the group at which a new one starts
+  bool warm_start = true;        ///< false: every frame is made from its picture alone
+  double temporal_weight = 0.5;  ///< of what the frame before missed, 0 to 1: keeps noise from flickering
+  int keyframe_interval = 250;   ///< most frames of a group, 1 or more
+  double scene_threshold = 0.4;  ///< as motion::CutOptions::threshold
+  /// A new group starts when the fit is this many dB worse than at the start of the group and its MEC above
+  /// the one asked for.
+  double drift = 3.0;
   bool settle = true;             ///< whether knots go on descending on the true residual, a step per frame
   bool optimise_inserted = true;  ///< whether the mesh around new knots is optimised
+  double curve_error = 0.3;  ///< root mean square miss of the feature curves that they are bent for, pixels
   CarryOptions carry{};
   SwapOptions swap{};
   /// When a frame is worse than the one before by this, knots are put where the error is at once rather than

@@ -1,0 +1,116 @@
+#include "knotreel/track/carry_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "support/mesh_cases.h"
+
+namespace knotreel::track {
+namespace {
+
+using mesh::KnotKind;
+using mesh::KnotMesh;
+
+/// A smooth motion with a whirl, stronger for larger amounts.
+std::vector<Vec2> whirl(const KnotMesh& mesh, double amount, double phase) {
+  std::vector<Vec2> motion;
+  for (const mesh::Knot& k : mesh.knots) {
+    const double x = k.position.x / mesh.width;
+    const double y = k.position.y / mesh.height;
+    motion.push_back({amount * std::sin(7 * y + phase), amount * std::cos(5 * x + 2 * phase)});
+  }
+  return motion;
+}
+
+std::map<std::uint32_t, Vec2> by_id(const KnotMesh& mesh, const std::vector<Vec2>& positions) {
+  std::map<std::uint32_t, Vec2> result;
+  for (std::size_t k = 0; k < positions.size(); ++k) {
+    result[static_cast<std::uint32_t>(mesh.knots[k].id)] = positions[k];
+  }
+  return result;
+}
+
+void expect_same(const KnotMesh& a, const KnotMesh& b) {
+  ASSERT_EQ(a.knots.size(), b.knots.size());
+  for (std::size_t k = 0; k < a.knots.size(); ++k) {
+    EXPECT_EQ(a.knots[k].position, b.knots[k].position);
+    EXPECT_EQ(a.knots[k].id, b.knots[k].id);
+  }
+  EXPECT_EQ(a.faces.size(), b.faces.size());
+}
+
+TEST(CarryMesh, WhatDoesNotMoveStays) {
+  for (const auto& c : testing::random_cases(11, 20)) {
+    const std::vector<Vec2> still(c.mesh.knots.size());
+    CarryReport report;
+    const KnotMesh carried = carry_mesh(c.mesh, knot_targets(c.mesh, still), {}, {}, &report);
+    expect_same(c.mesh, carried);
+    EXPECT_EQ(report.moved + report.removed + report.held + report.flips + report.segments_dropped, 0U);
+  }
+}
+
+TEST(CarryMesh, AnyMotionGivesASoundMesh) {
+  for (const double amount : {0.3, 2.0, 10.0, 60.0}) {
+    for (const auto& c : testing::random_cases(12, 40)) {
+      CarryReport report;
+      const KnotMesh carried =
+          carry_mesh(c.mesh, knot_targets(c.mesh, whirl(c.mesh, amount, amount)), {}, {}, &report);
+      const auto defect = mesh::find_defect(carried);
+      EXPECT_FALSE(defect) << c.name << " by " << amount << ": " << *defect;
+      EXPECT_EQ(carried.knots.size() + report.removed, c.mesh.knots.size());
+    }
+  }
+}
+
+TEST(CarryMesh, KnotsGoWhereTheyShould) {
+  for (const auto& c : testing::random_cases(13, 20)) {
+    const std::vector<Vec2> targets = knot_targets(c.mesh, whirl(c.mesh, 0.2, 1));
+    const auto wanted = by_id(c.mesh, targets);
+    CarryReport report;
+    const KnotMesh carried = carry_mesh(c.mesh, targets, {}, {}, &report);
+    std::size_t elsewhere = 0;
+    for (const mesh::Knot& k : carried.knots) {
+      elsewhere += k.position == wanted.at(static_cast<std::uint32_t>(k.id)) ? 0 : 1;
+    }
+    // Slowed ends take the knots between them along.
+    if (report.held == 0 && report.segments_dropped == 0) {
+      EXPECT_EQ(elsewhere, 0U) << c.name;
+    }
+  }
+}
+
+TEST(CarryMesh, LostSegmentsBecomeOrdinaryKnots) {
+  for (const auto& c : testing::random_cases(14, 20)) {
+    if (c.mesh.segments.empty()) continue;
+    const std::vector<Vec2> still(c.mesh.knots.size());
+    const std::vector<std::uint8_t> lost(c.mesh.segments.size(), 1);
+    CarryReport report;
+    const KnotMesh carried = carry_mesh(c.mesh, knot_targets(c.mesh, still), lost, {}, &report);
+    EXPECT_TRUE(carried.segments.empty());
+    EXPECT_EQ(report.segments_dropped, c.mesh.segments.size());
+    const auto defect = mesh::find_defect(carried);
+    EXPECT_FALSE(defect) << c.name << ": " << *defect;
+  }
+}
+
+TEST(CarryMesh, TargetsKeepKnotsOnTheirLines) {
+  for (const auto& c : testing::random_cases(15, 20)) {
+    const std::vector<Vec2> targets = knot_targets(c.mesh, whirl(c.mesh, 3, 2));
+    for (std::size_t k = 0; k < targets.size(); ++k) {
+      if (c.mesh.knots[k].kind != KnotKind::kBorder) continue;
+      EXPECT_EQ(targets[k], c.mesh.knots[k].position);
+    }
+    for (const mesh::FeatureSegment& s : c.mesh.segments) {
+      const Vec2 a = targets[s.knots.front()];
+      const Vec2 b = targets[s.knots.back()];
+      for (const mesh::KnotIndex k : s.knots) {
+        EXPECT_NEAR(cross(b - a, targets[k] - a) / norm(b - a), 0, 1e-9);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace knotreel::track

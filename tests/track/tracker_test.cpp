@@ -1,0 +1,148 @@
+#include "knotreel/track/tracker.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include <cmath>
+#include <map>
+
+#include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
+#include "knotreel/vectorize/vectorize.h"
+
+namespace knotreel::track {
+namespace {
+
+/// A shaded disk with a sharp edge on a soft background, its centre at (x, y).
+image::Image scene(double x, double y) {
+  image::Image image = image::make_image(96, 72, 3);
+  for (int j = 0; j < image.height; ++j) {
+    for (int i = 0; i < image.width; ++i) {
+      const double dx = i + 0.5 - x;
+      const double dy = j + 0.5 - y;
+      const double inside = std::clamp(18 - std::hypot(dx, dy) + 0.5, 0.0, 1.0);
+      for (int c = 0; c < 3; ++c) {
+        const double back = 60 + 40 * std::sin(0.07 * i + c) + 30 * std::cos(0.09 * j);
+        const double disk = 200 - 2.5 * dx - 2 * dy + 10 * c;
+        image.at(i, j, c) = static_cast<float>(std::clamp(back + inside * (disk - back), 0.0, 255.0));
+      }
+    }
+  }
+  return image;
+}
+
+Motion motion_between(const image::Image& before, const image::Image& now) {
+  Motion m;
+  m.before = std::make_shared<const motion::Luma>(motion::luma_of(before));
+  m.now = std::make_shared<const motion::Luma>(motion::luma_of(now));
+  m.flow = motion::find_flow_pair(*m.before, *m.now);
+  m.change = motion::measure_change(before, now, *m.before, *m.now, m.flow.forward, m.flow.consistent);
+  return m;
+}
+
+struct Tracked {
+  std::vector<document::FrameModel> models;
+  std::vector<FrameReport> reports;
+};
+
+Tracked track(const std::vector<image::Image>& pictures, const TrackOptions& options) {
+  vectorize::Options cold;
+  cold.max_control_points = 400;
+  Tracker tracker(cold, options);
+  Tracked run;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    FrameReport report;
+    if (i == 0) {
+      run.models.push_back(tracker.next(pictures[i], nullptr, &report));
+    } else {
+      const Motion m = motion_between(pictures[i - 1], pictures[i]);
+      run.models.push_back(tracker.next(pictures[i], &m, &report));
+    }
+    run.reports.push_back(report);
+  }
+  return run;
+}
+
+std::vector<image::Image> moving(int frames) {
+  std::vector<image::Image> pictures;
+  for (int i = 0; i < frames; ++i) pictures.push_back(scene(40 + 1.3 * i, 36 + 0.7 * i));
+  return pictures;
+}
+
+TEST(Tracker, FramesAreWarmAndGood) {
+  const Tracked run = track(moving(6), {});
+  EXPECT_EQ(run.reports[0].start, Start::kFirst);
+  for (std::size_t i = 1; i < run.reports.size(); ++i) {
+    EXPECT_EQ(run.reports[i].start, Start::kWarm) << i;
+    EXPECT_FALSE(run.models[i].keyframe);
+    EXPECT_LT(run.reports[i].mec, 1) << i;
+    EXPECT_GT(run.reports[i].survival, 0.8) << i;
+    EXPECT_NEAR(double(run.reports[i].control_points), double(run.reports[0].control_points),
+                0.15 * double(run.reports[0].control_points));
+  }
+}
+
+TEST(Tracker, WithoutWarmStartFramesAreThoseOfTheirPictures) {
+  const std::vector<image::Image> pictures = moving(3);
+  const Tracked run = track(pictures, {.warm_start = false});
+  vectorize::Options cold;
+  cold.max_control_points = 400;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    EXPECT_NE(run.reports[i].start, Start::kWarm);
+    EXPECT_TRUE(run.models[i].keyframe);
+    EXPECT_EQ(run.models[i].colour, vectorize::vectorize_picture(pictures[i], cold).model.colour);
+  }
+}
+
+TEST(Tracker, CutsAndIntervalsStartGroups) {
+  std::vector<image::Image> pictures = moving(3);
+  image::Image other = scene(70, 20);
+  for (std::size_t i = 0; i < other.samples.size(); ++i) {
+    const auto x = static_cast<double>(i / 3 % 96);
+    const auto y = static_cast<double>(i / 3 / 96);
+    other.samples[i] = static_cast<float>(128 + 100 * std::sin(0.5 * x) * std::cos(0.4 * y));
+  }
+  pictures.push_back(other);
+  const Tracked run = track(pictures, {.keyframe_interval = 2});
+  EXPECT_EQ(run.reports[1].start, Start::kWarm);
+  EXPECT_EQ(run.reports[2].start, Start::kInterval);
+  EXPECT_EQ(run.reports[3].start, Start::kCut);
+}
+
+TEST(Tracker, SameBitsForAnyNumberOfThreads) {
+  const std::vector<image::Image> pictures = moving(4);
+  const auto with = [&](int threads) {
+    const ThreadCap cap(threads);
+    return track(pictures, {});
+  };
+  const Tracked one = with(1);
+  for (const int threads : {2, 3}) {
+    const Tracked more = with(threads);
+    for (std::size_t i = 0; i < pictures.size(); ++i) {
+      EXPECT_EQ(one.models[i].colour, more.models[i].colour);
+      EXPECT_EQ(one.models[i].displacement, more.models[i].displacement);
+    }
+  }
+}
+
+TEST(Tracker, IdsAreNotUsedAgain) {
+  const Tracked run = track(moving(6), {});
+  std::map<std::uint32_t, std::size_t> last_seen;
+  for (std::size_t i = 0; i < run.models.size(); ++i) {
+    for (const mesh::Knot& k : run.models[i].space->mesh().knots) {
+      const auto id = static_cast<std::uint32_t>(k.id);
+      if (i > 0 && last_seen.count(id)) {
+        EXPECT_EQ(last_seen[id], i - 1) << id;
+      }
+      last_seen[id] = i;
+    }
+  }
+}
+
+TEST(Tracker, WrongOptionsAreRefused) {
+  EXPECT_THROW(Tracker({}, {.keyframe_interval = 0}), Error);
+}
+
+}  // namespace
+}  // namespace knotreel::track
