@@ -1,7 +1,7 @@
-#include <cmath>
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/output_size.h"
 #include "cli/parse.h"
 #include "cli/pictures.h"
 #include "knotreel/base/error.h"
@@ -10,7 +10,6 @@
 namespace knotreel::cli {
 namespace {
 
-constexpr int kMaxSide = 1'000'000;
 constexpr std::uint64_t kMaxOutputPixels = std::uint64_t{1} << 32;
 
 struct Arguments {
@@ -31,26 +30,9 @@ struct Arguments {
   throw Error(ErrorKind::kInvalidArgument, why);
 }
 
-Size whole_size(const Arguments& arguments, const document::SequenceInfo& info) {
-  if (!arguments.size.empty()) {
-    const Size size = parse_size("--size", arguments.size);
-    if (size.width > kMaxSide || size.height > kMaxSide) {
-      refuse("--size " + arguments.size + " is more than " + std::to_string(kMaxSide) + " pixels on a side");
-    }
-    return size;
-  }
-  if (!std::isfinite(arguments.scale) || arguments.scale <= 0) refuse("--scale takes a number above 0");
-  const double width = std::max(1.0, std::round(info.width * arguments.scale));
-  const double height = std::max(1.0, std::round(info.height * arguments.scale));
-  if (width > kMaxSide || height > kMaxSide) {
-    refuse("--scale gives more than " + std::to_string(kMaxSide) + " pixels on a side");
-  }
-  return {static_cast<int>(width), static_cast<int>(height)};
-}
-
 /// Size and crop, checked before anything is allocated for them.
 raster::RenderOptions render_options(const Arguments& arguments, const document::SequenceInfo& info) {
-  const Size whole = whole_size(arguments, info);
+  const Size whole = output_size(arguments.scale, arguments.size, info.width, info.height);
   raster::RenderOptions options;
   options.width = whole.width;
   options.height = whole.height;
