@@ -7,10 +7,10 @@
 namespace knotreel::cli {
 namespace {
 
-volatile std::sig_atomic_t interrupted = 0;
+volatile std::sig_atomic_t signalled = 0;
 
 void on_signal(int) {
-  interrupted = 1;
+  signalled = 1;
 }
 
 }  // namespace
@@ -29,8 +29,12 @@ void install_signal_handlers() {
   std::signal(SIGPIPE, SIG_IGN);
 }
 
+bool interrupted() {
+  return signalled != 0;
+}
+
 void check_interrupted() {
-  if (interrupted != 0) throw Error(ErrorKind::kInterrupted, "interrupted");
+  if (interrupted()) throw Error(ErrorKind::kInterrupted, "interrupted");
 }
 
 }  // namespace knotreel::cli

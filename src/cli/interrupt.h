@@ -6,6 +6,9 @@ namespace knotreel::cli {
 /// to a closed pipe becomes an error instead of a signal. Call once, from main().
 void install_signal_handlers();
 
+/// Whether a signal has come; for work that ends in order then.
+bool interrupted();
+
 /// To be called between units of work that take no more than a moment.
 /// @throws Error{kInterrupted} once a signal has come.
 void check_interrupted();

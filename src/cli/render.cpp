@@ -1,16 +1,16 @@
-#include <cmath>
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/output_size.h"
 #include "cli/parse.h"
 #include "cli/pictures.h"
+#include "cli/render_video.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 
 namespace knotreel::cli {
 namespace {
 
-constexpr int kMaxSide = 1'000'000;
 constexpr std::uint64_t kMaxOutputPixels = std::uint64_t{1} << 32;
 
 struct Arguments {
@@ -25,32 +25,16 @@ struct Arguments {
   std::string format;
   bool aliased = false;
   int threads = 0;
+  RenderVideo video;  ///< what only matters for videos
 };
 
 [[noreturn]] void refuse(const std::string& why) {
   throw Error(ErrorKind::kInvalidArgument, why);
 }
 
-Size whole_size(const Arguments& arguments, const document::SequenceInfo& info) {
-  if (!arguments.size.empty()) {
-    const Size size = parse_size("--size", arguments.size);
-    if (size.width > kMaxSide || size.height > kMaxSide) {
-      refuse("--size " + arguments.size + " is more than " + std::to_string(kMaxSide) + " pixels on a side");
-    }
-    return size;
-  }
-  if (!std::isfinite(arguments.scale) || arguments.scale <= 0) refuse("--scale takes a number above 0");
-  const double width = std::max(1.0, std::round(info.width * arguments.scale));
-  const double height = std::max(1.0, std::round(info.height * arguments.scale));
-  if (width > kMaxSide || height > kMaxSide) {
-    refuse("--scale gives more than " + std::to_string(kMaxSide) + " pixels on a side");
-  }
-  return {static_cast<int>(width), static_cast<int>(height)};
-}
-
 /// Size and crop, checked before anything is allocated for them.
 raster::RenderOptions render_options(const Arguments& arguments, const document::SequenceInfo& info) {
-  const Size whole = whole_size(arguments, info);
+  const Size whole = output_size(arguments.scale, arguments.size, info.width, info.height);
   raster::RenderOptions options;
   options.width = whole.width;
   options.height = whole.height;
@@ -74,7 +58,7 @@ raster::RenderOptions render_options(const Arguments& arguments, const document:
   return options;
 }
 
-void render(const Arguments& arguments) {
+void render_picture(const Arguments& arguments) {
   const ThreadCap cap(arguments.threads);
   Background background;
   if (!arguments.background.empty()) background = parse_colour("--background", arguments.background);
@@ -98,27 +82,49 @@ void render(const Arguments& arguments) {
   writer->finish();
 }
 
+void render(const Arguments& arguments) {
+  if (!is_video_output(arguments.output, arguments.format)) {
+    render_picture(arguments);
+    return;
+  }
+  if (!arguments.crop.empty() || !arguments.background.empty()) {
+    refuse("--crop and --background are for single pictures");
+  }
+  RenderVideo video = arguments.video;
+  video.input = arguments.input;
+  video.output = arguments.output;
+  video.format = arguments.format;
+  video.scale = arguments.scale;
+  video.size = arguments.size;
+  video.depth = arguments.depth == "8" ? 0 : 16;
+  video.aliased = arguments.aliased;
+  video.threads = arguments.threads;
+  render_video(video);
+}
+
 constexpr const char* kFooter = R"(
 Memory does not grow with the size of the output, except for TIFF, JPEG, WebP and BMP.
+If the output is a video (clip.mp4) or a pattern (frame_%04d.png), all frames are drawn, at their times.
 Examples:
   knotreel render photo.tcb -o photo.png
   knotreel render photo.tcb -o print.png --scale 16 --depth 16
   knotreel render photo.tcb -o detail.png --scale 8 --crop 800,400,640,360
+  knotreel render clip.tcb -o clip.mp4 --scale 2
   knotreel render photo.tcb -o - --format ppm --size 1920x1080 | other-program)";
 
 }  // namespace
 
 void add_render_command(CLI::App& program) {
   CLI::App* command =
-      program.add_subcommand("render", "Draw a frame of a vector document as a picture of any size");
+      program.add_subcommand("render", "Draw a vector document as a picture or a video of any size");
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("FILE", arguments->input, "Vector document (.tcb); '-': standard input")
       ->type_name("")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
-                   "Picture to write; its name says the format: png, ppm, pgm, pam,\n"
-                   "pfm, tiff, jpg, webp, bmp. '-': standard output")
+                   "Picture or video to write; its name says the format: png, ppm, pgm, pam,\n"
+                   "pfm, tiff, jpg, webp, bmp, or a video. '-': standard output")
       ->type_name("FILE")
       ->required();
   auto* scale = command->add_option("--scale", arguments->scale, "Output pixels per picture pixel, above 0")
@@ -144,11 +150,12 @@ void add_render_command(CLI::App& program) {
                    "alpha is kept")
       ->type_name("COLOUR");
   command
-      ->add_option("--format", arguments->format,
+      ->add_option("-f,--format", arguments->format,
                    "Format if the name does not say it; for '-' it is png if not given")
       ->type_name("NAME");
   command->add_flag("--no-antialias", arguments->aliased, "Leave the edges of features jagged");
   add_threads_option(*command, arguments->threads);
+  add_render_video_options(*command, arguments->video);
   command->footer(kFooter);
   command->callback([arguments] { render(*arguments); });
 }

@@ -13,6 +13,7 @@
 #include "cli/progress_line.h"
 #include "cli/stats.h"
 #include "cli/vectorize_options.h"
+#include "cli/video_run.h"
 #include "knotreel/base/output_file.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/writer.h"
@@ -30,6 +31,7 @@ struct Arguments {
   std::string stats;
   std::string debug_dir;
   int threads = 0;
+  VideoRun video;  ///< what only matters for videos
 };
 
 /// A document of one frame in memory, and that frame as it was stored, that is quantised.
@@ -125,7 +127,7 @@ nlohmann::ordered_json stats_json(const Arguments& arguments, const image::Image
   return stats;
 }
 
-void vectorize(const Arguments& arguments) {
+void vectorize_picture(const Arguments& arguments) {
   const ThreadCap cap(arguments.threads);
   StageTimer timer;
   image::ImageFileInfo source;
@@ -167,28 +169,74 @@ void vectorize(const Arguments& arguments) {
   }
 }
 
+void vectorize_video(const Arguments& arguments) {
+  VideoRun run = arguments.video;
+  run.input = arguments.input;
+  run.document = arguments.output;
+  run.options = arguments.options;
+  run.stats = arguments.stats;
+  run.threads = arguments.threads;
+  run.reading.no_copy_streams = true;  // there is no place for them in a document
+  const pipeline::Summary summary = run_video(run);
+  if (run.document != "-" && run.stats != "-" && run.progress != "-") {
+    write_text("-", summary_text(run.document.empty() ? run.split_folder : run.document, summary));
+  }
+  check_stopped(summary);
+}
+
+void vectorize(const Arguments& arguments) {
+  const bool split = !arguments.video.split_folder.empty();
+  if (arguments.output.empty() && !split) {
+    throw Error(ErrorKind::kInvalidArgument, "--output is required (see knotreel vectorize --help)");
+  }
+  const bool picture = !arguments.debug_dir.empty();  // there are none of videos
+  if (split || (!picture && is_video(arguments.input, arguments.video.reading))) {
+    vectorize_video(arguments);
+  } else {
+    vectorize_picture(arguments);
+  }
+}
+
+void add_video(CLI::App& command, VideoRun& run) {
+  command.option_defaults()->group("Videos");
+  command
+      .add_option("--split", run.split_folder,
+                  "Write a document per frame, frame_000001.tcb and so on, into this\n"
+                  "folder, made if missing; then --output may be left out")
+      ->type_name("DIR");
+  command
+      .add_option("--progress", run.progress, "Write lines key=value after every frame; '-': standard output")
+      ->type_name("FILE");
+  add_tracking_options(command, run.tracking);
+  add_video_input_options(command, run.reading);
+  command.option_defaults()->group("Options");
+}
+
 constexpr const char* kFooter = R"(
 Features (sharp edges) become curves at which the colours may jump; between them the surface is smooth.
 Knots go where the picture needs them, first at once and then in rounds. The figures printed are those
 of the document as stored. The same picture and options give the same file.
+A video, a folder of pictures or a pattern such as in_%04d.png becomes a document with all frames, each made
+from the frame before; the default of --max-control-points is 2% then. After Ctrl-C it holds what was done.
 Examples:
   knotreel vectorize photo.png -o photo.tcb
   knotreel vectorize photo.png -o fine.tcb --preset fine --max-control-points 5%
   knotreel vectorize scan.tiff -o scan.tcb --degree 3 --edge-threshold 20 --stats scan.json
+  knotreel vectorize clip.mp4 -o clip.tcb
   knotreel vectorize logo.png -o logo.tcb --debug-dir logo-stages)";
 
 }  // namespace
 
 void add_vectorize_command(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("vectorize", "Turn a picture into a vector document");
+  CLI::App* command = program.add_subcommand("vectorize", "Turn a picture or a video into a vector document");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("PICTURE", arguments->input, "Picture to read; '-': standard input")
+  command
+      ->add_option("INPUT", arguments->input, "Picture or video to read; '-': a picture from standard input")
       ->type_name("")
       ->required();
   command
       ->add_option("-o,--output", arguments->output, "Vector document to write (.tcb); '-': standard output")
-      ->type_name("FILE")
-      ->required();
+      ->type_name("FILE");
   add_vectorize_options(*command, arguments->options);
   command
       ->add_option("--stats", arguments->stats,
@@ -199,6 +247,7 @@ void add_vectorize_command(CLI::App& program) {
                    "Write PNG pictures of every stage into this folder, made if missing")
       ->type_name("DIR");
   add_threads_option(*command, arguments->threads);
+  add_video(*command, arguments->video);
   command->footer(kFooter);
   command->callback([arguments] { vectorize(*arguments); });
 }

@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "knotreel/motion/flow.h"
+#include "knotreel/track/tracker.h"
+#include "knotreel/vectorize/options.h"
+#include "knotreel/video/reader.h"
+#include "knotreel/video/writer.h"
+
+/// Whole videos through all modules: pictures in, vector models and pictures out, many frames at once.
+namespace knotreel::pipeline {
+
+/// What became of one frame.
+struct FrameRow {
+  std::uint64_t index = 0;  ///< 0, 1, 2, ...
+  std::int64_t pts = 0;     ///< ticks of the source's time base
+  std::string start;        ///< as track::to_string(); empty if the model was only read
+  std::size_t knots = 0;
+  std::size_t control_points = 0;
+  double mec = 0;               ///< levels; of the stored model, drawn at the size of the source
+  double meg = 0;               ///< pixels; 0: not known
+  double psnr = 0;              ///< dB, likewise; infinite for equal pictures
+  double ssim = 0;              ///< likewise
+  double survival = 0;          ///< share of the knots of the frame before that are in this one, 0 to 1
+  std::uint64_t bytes = 0;      ///< of its chunk in the document
+  double finished_seconds = 0;  ///< since the start of the run
+  std::vector<std::pair<std::string, double>> milliseconds;        ///< per stage, in order
+  std::vector<std::pair<std::string, double>> model_milliseconds;  ///< within the stage "model"
+};
+
+/// Figures of a whole run. Means are over frames; PSNR is that of the mean squared error.
+struct Summary {
+  std::uint64_t frames = 0;
+  double seconds = 0;
+  double fps = 0;
+  double first_frame_seconds = 0;  ///< until the first frame was encoded
+  double psnr = 0;                 ///< dB; infinite for equal pictures
+  double mec = 0;                  ///< levels
+  double ssim = 0;
+  double knots = 0;
+  double control_points = 0;
+  double survival = 0;                ///< of the frames that have one before them in their group
+  std::uint64_t keyframes = 0;        ///< cold starts
+  std::uint64_t document_bytes = 0;   ///< of the document, all in, also if it was not kept
+  bool stopped = false;               ///< by the caller, before the end of the source
+  std::string digest;                 ///< of VideoWriter
+  std::vector<std::string> warnings;  ///< of the writer, one line each
+};
+
+/// A video to write.
+struct VideoOutput {
+  std::string path;  ///< empty: none
+  video::WriteOptions options;
+  int width = 0;   ///< pixels; 0: as the source
+  int height = 0;  ///< see width
+  int depth = 0;   ///< bits per component; 0: as the source
+  bool antialias = true;
+};
+
+using Stop = std::function<bool()>;                          ///< from any thread, one at a time
+using FrameObserver = std::function<void(const FrameRow&)>;  ///< in order, from any thread, one at a time
+
+/// A video that becomes a document, another video, or both.
+struct Job {
+  video::VideoReader* reader = nullptr;  ///< at its start; outlives the run
+  std::string source;                    ///< its name, for the document
+  vectorize::Options cold;               ///< of frames that are made from their picture alone
+  track::TrackOptions tracking;
+  motion::FlowOptions flow;
+  std::string document;      ///< file to write, `-` for standard output; empty: the document is not kept
+  std::string split_folder;  ///< one document per frame goes there; empty: none
+  VideoOutput video;
+  int frames_in_flight = 0;  ///< bounds the memory; 0: twice the number of threads, and two
+  Stop stop;                 ///< true: no more frames; those begun and all files are finished
+  FrameObserver on_frame;
+};
+
+}  // namespace knotreel::pipeline

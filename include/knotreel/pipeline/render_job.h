@@ -1,0 +1,27 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+
+#include "knotreel/document/reader.h"
+#include "knotreel/pipeline/job.h"
+
+namespace knotreel::pipeline {
+
+/// A document that becomes a video.
+struct RenderJob {
+  document::Reader* reader = nullptr;  ///< outlives the run
+  std::size_t first = 0;               ///< place of the first frame in the document
+  std::optional<std::size_t> last;     ///< place of the last one, itself included; none: the end
+  video::Rational rate;  ///< frames per second to repeat or drop frames for; unknown: times as stored
+  VideoOutput video;
+  int frames_in_flight = 0;  ///< as in Job
+  Stop stop;
+  FrameObserver on_frame;  ///< figures that only the making of a model knows are 0
+};
+
+/// Draws and encodes all frames, many at once. Frames keep the times of the document.
+/// @throws Error{kInvalidArgument} if there are no such frames, and as run_graph().
+Summary run_render(const RenderJob& job);
+
+}  // namespace knotreel::pipeline

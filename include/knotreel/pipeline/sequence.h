@@ -1,0 +1,21 @@
+#pragma once
+
+#include <string>
+
+#include "knotreel/document/sequence_info.h"
+#include "knotreel/video/stream_info.h"
+
+namespace knotreel::pipeline {
+
+/// What a document keeps of the video that it comes from: size, time base, and as metadata all that a writer
+/// wants to know (docs/stats.md, "Video in documents").
+/// @param source  name of the video. @param degree of the splines.
+document::SequenceInfo sequence_info(const video::StreamInfo& stream, const std::string& source, int degree);
+
+/// The other way round; what is missing or makes no sense in the metadata counts as unknown.
+video::StreamInfo stream_info(const document::SequenceInfo& info);
+
+/// Ticks that a frame lasts at the frame rate; 0 if that is not known.
+std::int64_t nominal_duration(const video::StreamInfo& stream);
+
+}  // namespace knotreel::pipeline

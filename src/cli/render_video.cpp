@@ -1,0 +1,120 @@
+#include "cli/render_video.h"
+
+#include <charconv>
+#include <filesystem>
+#include <regex>
+
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/output_size.h"
+#include "cli/pictures.h"
+#include "cli/video_report.h"
+#include "cli/video_run.h"
+#include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
+#include "knotreel/image/format.h"
+#include "knotreel/pipeline/render_job.h"
+#include "knotreel/pipeline/sequence.h"
+
+namespace knotreel::cli {
+namespace {
+
+/// "3-7", "3-" and "3".
+void parse_frames(const std::string& text, pipeline::RenderJob& job) {
+  const auto number = [&](std::string_view word) {
+    std::size_t value = 0;
+    const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
+    if (status != std::errc() || end != word.data() + word.size()) {
+      throw Error(ErrorKind::kInvalidArgument, "--frames takes A-B, A- or A, not '" + text + "'");
+    }
+    return value;
+  };
+  const std::string_view all = text;
+  const std::size_t dash = all.find('-');
+  job.first = number(all.substr(0, dash));
+  if (dash == std::string_view::npos) {
+    job.last = job.first;
+  } else if (dash + 1 < all.size()) {
+    job.last = number(all.substr(dash + 1));
+  }
+}
+
+pipeline::RenderJob make_job(const RenderVideo& arguments, document::Reader& reader) {
+  pipeline::RenderJob job;
+  job.reader = &reader;
+  if (!arguments.frames.empty()) parse_frames(arguments.frames, job);
+  if (!arguments.fps.empty()) job.rate = parse_rate("--fps", arguments.fps);
+  const document::SequenceInfo& info = reader.info();
+  const Size size = output_size(arguments.scale, arguments.size, info.width, info.height);
+  job.video.path = arguments.output;
+  job.video.options = write_options(arguments.encoding, arguments.format, arguments.threads);
+  job.video.width = size.width;
+  job.video.height = size.height;
+  job.video.depth = arguments.depth;
+  job.video.antialias = !arguments.aliased;
+  job.stop = [] { return interrupted(); };
+  return job;
+}
+
+void tell(const RenderVideo& arguments, const pipeline::Summary& summary) {
+  for (const std::string& line : summary.warnings) warn(line);
+  if (arguments.format == "hash") {
+    write_text("-", summary.digest + "\n");
+  } else if (arguments.output != "-" && arguments.progress != "-") {
+    write_text("-", summary_text(arguments.output, summary));
+  }
+}
+
+}  // namespace
+
+void add_render_video_options(CLI::App& command, RenderVideo& options) {
+  command.option_defaults()->group("Videos");
+  command.add_option("--frames", options.frames, "Only these frames, counted from 0; A- is up to the end")
+      ->type_name("A-B");
+  command
+      .add_option("--fps", options.fps,
+                  "Frames per second, such as 25 or 30000/1001: frames are repeated or\n"
+                  "left out. Without, each has the time that the document says")
+      ->type_name("R");
+  add_video_output_options(command, options.encoding);
+  command
+      .add_option("--progress", options.progress,
+                  "Write lines key=value after every frame; '-': standard output")
+      ->type_name("FILE");
+  command.option_defaults()->group("Options");
+}
+
+bool is_video_output(const std::string& output, const std::string& format) {
+  static const std::regex pattern("%0?[0-9]*d");
+  const std::string name = std::filesystem::path(output).filename().string();
+  if (std::regex_search(name, pattern)) return true;
+  const std::string extension = std::filesystem::path(name).extension().string();
+  const bool picture_name = !extension.empty() && image::format_of_extension(extension.substr(1));
+  if (format == "null" || format == "hash") return true;
+  if (!format.empty()) return !picture_name && !image::format_of_extension(format);
+  return !extension.empty() && !picture_name;
+}
+
+void render_video(const RenderVideo& arguments) {
+  const ThreadCap cap(arguments.threads);
+  document::Reader reader = open_document(arguments.input);
+  if (!reader.complete()) warn("'" + arguments.input + "' is cut short: read up to its last whole frame");
+  pipeline::RenderJob job = make_job(arguments, reader);
+  const video::Rational ticks = pipeline::stream_info(reader.info()).time_base;
+  ProgressFile progress(arguments.progress,
+                        job.rate.known() ? video::Rational{job.rate.den, job.rate.num} : ticks);
+  pipeline::Summary summary;
+  {
+    VideoLine line(reader.frame_count());
+    job.on_frame = [&](const pipeline::FrameRow& row) {
+      line.show(row);
+      progress.show(row);
+    };
+    summary = pipeline::run_render(job);
+  }
+  progress.end();
+  tell(arguments, summary);
+  check_stopped(summary);
+}
+
+}  // namespace knotreel::cli

@@ -1,0 +1,36 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <string>
+
+#include "cli/video_options.h"
+
+namespace knotreel::cli {
+
+/// What `render` is asked to do if the output is a video.
+struct RenderVideo {
+  std::string input;
+  std::string output;
+  std::string format;
+  double scale = 1;
+  std::string size;
+  int depth = 0;  ///< bits per component; 0: as the document says
+  bool aliased = false;
+  int threads = 0;
+  // The rest has options of its own.
+  std::string frames;  ///< "A-B", "A-" or "A"; empty: all
+  std::string fps;     ///< empty: times as stored
+  std::string progress;
+  VideoOutputOptions encoding;
+};
+
+/// Adds the options that only videos have; `options` must live until it has been parsed.
+void add_render_video_options(CLI::App& command, RenderVideo& options);
+
+/// Whether a name, or else a format that is given, means a video or a picture for each frame.
+bool is_video_output(const std::string& output, const std::string& format);
+
+/// @throws Error{kInterrupted} after a signal, when the video is whole.
+void render_video(const RenderVideo& arguments);
+
+}  // namespace knotreel::cli

@@ -1,0 +1,131 @@
+#include "cli/video_options.h"
+
+#include <charconv>
+#include <cmath>
+
+#include "knotreel/base/error.h"
+
+namespace knotreel::cli {
+namespace {
+
+[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& wanted) {
+  throw Error(ErrorKind::kInvalidArgument, option + " takes " + wanted + ", not '" + text + "'");
+}
+
+template <typename Number>
+bool parse(std::string_view text, Number& value) {
+  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+  return status == std::errc() && end == text.data() + text.size();
+}
+
+}  // namespace
+
+void add_video_input_options(CLI::App& command, VideoInputOptions& options) {
+  command.add_option("--input-format", options.format, "Format of the video, if its content does not say it")
+      ->type_name("NAME");
+  command
+      .add_option("--input-option", options.demuxer,
+                  "For the reader of that format, such as video_size=640x480")
+      ->type_name("KEY=VALUE")
+      ->allow_extra_args(false);
+  command.add_option("--image-rate", options.image_rate, "Frames per second of a folder of pictures")
+      ->type_name("R")
+      ->capture_default_str();
+  command.add_flag("--strict", options.strict,
+                   "Damage in a video is an error; without, what can be\n"
+                   "decoded is used, and a warning tells of the rest");
+}
+
+void add_video_output_options(CLI::App& command, VideoOutputOptions& options) {
+  command
+      .add_option("--codec", options.codec,
+                  "h264, hevc, vp9, av1, ffv1, prores or a name of libav; without, what\nsuits the container")
+      ->type_name("NAME");
+  command.add_option("--crf", options.crf, "Quality on the encoder's own scale, lower is better")
+      ->check(CLI::Range(0.0, 255.0).description(""))
+      ->type_name("Q");
+  command.add_option("--encoder-preset", options.preset, "Effort of the encoder, such as slow")
+      ->type_name("NAME");
+  command
+      .add_option("--pixel-format", options.pixel_format,
+                  "A name of libav, such as yuv420p; without, the source's or the nearest\nto it")
+      ->type_name("NAME");
+}
+
+void add_tracking_options(CLI::App& command, track::TrackOptions& options) {
+  command.add_flag("!--no-warm-start", options.warm_start,
+                   "Make every frame from its picture alone, not from the frame before");
+  command
+      .add_option("--temporal-weight", options.temporal_weight,
+                  "How much of its error a frame keeps where nothing changes, 0 to 1:\nless flicker")
+      ->check(CLI::Range(0.0, 1.0).description(""))
+      ->type_name("W")
+      ->capture_default_str();
+  command
+      .add_option("--keyframe-interval", options.keyframe_interval,
+                  "Most frames that come from each other; then one is made anew")
+      ->check(CLI::Range(1, 1000000).description(""))
+      ->type_name("N")
+      ->capture_default_str();
+  command
+      .add_option("--scene-threshold", options.scene_threshold,
+                  "How unlike pictures are at a cut, 0 (none are alike) to 1 (no cuts)")
+      ->check(CLI::Range(0.0, 1.0).description(""))
+      ->type_name("T")
+      ->capture_default_str();
+}
+
+video::Rational parse_rate(const std::string& option, const std::string& text) {
+  const std::size_t slash = text.find('/');
+  video::Rational rate;
+  double value = 0;
+  if (slash != std::string::npos) {
+    const std::string_view all = text;
+    if (!parse(all.substr(0, slash), rate.num) || !parse(all.substr(slash + 1), rate.den)) rate = {};
+  } else if (parse(std::string_view(text), value) && value <= 100000) {
+    const bool whole = value == std::floor(value);
+    rate =
+        whole ? video::Rational{std::int64_t(value), 1} : video::Rational{std::llround(value * 1000), 1000};
+  }
+  if (!rate.known() || rate.num > 0x7fffffff || rate.den > 0x7fffffff) {
+    refuse(option, text, "frames per second such as 25 or 30000/1001");
+  }
+  return rate;
+}
+
+video::ReadOptions read_options(const VideoInputOptions& given, int threads) {
+  video::ReadOptions options;
+  options.threads = threads;
+  options.strict = given.strict;
+  options.copy_streams = !given.no_copy_streams;
+  options.format = given.format;
+  options.image_rate = parse_rate("--image-rate", given.image_rate);
+  for (const std::string& pair : given.demuxer) {
+    const std::size_t sign = pair.find('=');
+    if (sign == std::string::npos || sign == 0) refuse("--input-option", pair, "KEY=VALUE");
+    options.demuxer_options[pair.substr(0, sign)] = pair.substr(sign + 1);
+  }
+  return options;
+}
+
+video::WriteOptions write_options(const VideoOutputOptions& given, const std::string& container,
+                                  int threads) {
+  video::WriteOptions options;
+  options.codec = given.codec;
+  options.crf = given.crf;
+  options.preset = given.preset;
+  options.pixel_format = given.pixel_format;
+  options.container = container;
+  options.threads = threads;
+  return options;
+}
+
+nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
+  return {{"warm_start", o.warm_start},
+          {"temporal_weight", o.temporal_weight},
+          {"keyframe_interval", o.keyframe_interval},
+          {"scene_threshold", o.scene_threshold},
+          {"drift", o.drift}};
+}
+
+}  // namespace knotreel::cli

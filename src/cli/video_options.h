@@ -1,0 +1,47 @@
+#pragma once
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "knotreel/track/tracker.h"
+#include "knotreel/video/reader.h"
+#include "knotreel/video/writer.h"
+
+/// The options of all commands that read or write videos.
+namespace knotreel::cli {
+
+struct VideoInputOptions {
+  std::string format;
+  std::vector<std::string> demuxer;  ///< "key=value"
+  std::string image_rate = "25";
+  bool strict = false;
+  bool no_copy_streams = false;
+};
+
+struct VideoOutputOptions {
+  std::string codec;
+  double crf = -1;
+  std::string preset;
+  std::string pixel_format;
+};
+
+/// Adds them to a command; `options` must live until it has been parsed.
+void add_video_input_options(CLI::App& command, VideoInputOptions& options);
+void add_video_output_options(CLI::App& command, VideoOutputOptions& options);
+void add_tracking_options(CLI::App& command, track::TrackOptions& options);
+
+/// @throws Error{kInvalidArgument} for a rate that is none, or an option without "=".
+video::ReadOptions read_options(const VideoInputOptions& given, int threads);
+
+/// @param container as video::WriteOptions.
+video::WriteOptions write_options(const VideoOutputOptions& given, const std::string& container, int threads);
+
+/// "25", "23.976" or "30000/1001", above 0. @throws Error{kInvalidArgument} with the option's name.
+video::Rational parse_rate(const std::string& option, const std::string& text);
+
+/// As docs/stats.md tells.
+nlohmann::ordered_json tracking_json(const track::TrackOptions& options);
+
+}  // namespace knotreel::cli

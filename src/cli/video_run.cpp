@@ -1,0 +1,137 @@
+#include "cli/video_run.h"
+
+#include <fmt/core.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <iterator>
+
+#include "cli/command.h"
+#include "cli/interrupt.h"
+#include "cli/metrics_report.h"
+#include "cli/output_size.h"
+#include "cli/video_report.h"
+#include "knotreel/base/error.h"
+#include "knotreel/base/input_file.h"
+#include "knotreel/base/parallel.h"
+#include "knotreel/image/format.h"
+#include "knotreel/pipeline/run.h"
+
+namespace knotreel::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// A frame of a video has less to give than a photograph: its colours are coarser, and the frame before
+/// tells most of it.
+constexpr double kShareOfPixels = 0.02;
+constexpr std::size_t kLeastControlPoints = 256;
+
+vectorize::Options cold_options(const VideoRun& run, std::uint64_t pixels) {
+  VectorizeOptions given = run.options;
+  if (!given.max_control_points) {
+    const auto share = static_cast<std::size_t>(kShareOfPixels * static_cast<double>(pixels));
+    given.max_control_points = std::to_string(std::max(kLeastControlPoints, share));
+  }
+  return effective_options(given, pixels);
+}
+
+nlohmann::ordered_json head_json(const VideoRun& run, const pipeline::Job& job) {
+  const video::StreamInfo& info = job.reader->info();
+  return {{"version", KNOTREEL_VERSION},
+          {"input", run.input},
+          {"output", run.video.path},
+          {"document", run.document},
+          {"width", info.width},
+          {"height", info.height},
+          {"channels", info.channels},
+          {"time_base", {info.time_base.num, info.time_base.den}},
+          {"frame_rate", {info.frame_rate.num, info.frame_rate.den}},
+          {"preset", run.options.preset},
+          {"threads", run.threads},
+          {"options", options_json(job.cold)},
+          {"tracking", tracking_json(job.tracking)}};
+}
+
+pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
+  const video::StreamInfo& info = reader.info();
+  pipeline::Job job;
+  job.reader = &reader;
+  job.source = run.input;
+  job.cold = cold_options(run, std::uint64_t(info.width) * std::uint64_t(info.height));
+  job.tracking = run.tracking;
+  job.document = run.document;
+  job.split_folder = run.split_folder;
+  job.video = run.video;
+  const Size size = output_size(run.scale, run.size, info.width, info.height);
+  job.video.width = size.width;
+  job.video.height = size.height;
+  job.stop = [] { return interrupted(); };
+  return job;
+}
+
+void warn_all(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) warn(line);
+}
+
+void check_standard_output(const VideoRun& run) {
+  int uses = 0;
+  for (const std::string& path : {run.document, run.video.path, run.stats, run.progress}) uses += path == "-";
+  if (uses > 1) throw Error(ErrorKind::kInvalidArgument, "only one output can be standard output");
+}
+
+}  // namespace
+
+bool is_video(const std::string& input, const VideoInputOptions& options) {
+  if (!options.format.empty()) return true;
+  if (input == "-") return false;
+  std::error_code ignored;
+  if (fs::is_directory(input, ignored) || input.find("://") != std::string::npos) return true;
+  if (!fs::exists(input, ignored)) return input.find_first_of("*?%") != std::string::npos;
+  if (!fs::is_regular_file(input, ignored)) return false;
+  const std::string extension = fs::path(input).extension().string();
+  const bool named = !extension.empty() && !image::format_of_extension(extension.substr(1));
+  return named && !image::detect_format(read_start(input, 16));
+}
+
+pipeline::Summary run_video(const VideoRun& run) {
+  check_standard_output(run);
+  const ThreadCap cap(run.threads);
+  video::VideoReader reader = video::VideoReader::open(run.input, read_options(run.reading, run.threads));
+  pipeline::Job job = make_job(run, reader);
+  ProgressFile progress(run.progress, reader.info().time_base);
+  VideoStats stats(run.stats, head_json(run, job));
+  pipeline::Summary summary;
+  {
+    VideoLine line(reader.info().frames);
+    job.on_frame = [&](const pipeline::FrameRow& row) {
+      line.show(row);
+      progress.show(row);
+      stats.add(row);
+    };
+    summary = pipeline::run_graph(job);
+  }
+  warn_all(reader.warnings());
+  warn_all(summary.warnings);
+  progress.end();
+  auto tail = summary_json(summary);
+  tail["damaged"] = reader.damaged();
+  stats.finish(tail);
+  return summary;
+}
+
+std::string summary_text(const std::string& output, const pipeline::Summary& s) {
+  std::string text =
+      fmt::format("{}: {} frames in {:.1f} s ({:.2f} fps)", output, s.frames, s.seconds, s.fps);
+  if (s.keyframes > 0) text += fmt::format(", {} keyframes, PSNR {}", s.keyframes, psnr_text(s.psnr));
+  return text + fmt::format(", {:.0f} knots and {:.0f} control points per frame, {} bytes as document\n",
+                            s.knots, s.control_points, s.document_bytes);
+}
+
+void check_stopped(const pipeline::Summary& summary) {
+  if (!summary.stopped) return;
+  throw Error(ErrorKind::kInterrupted,
+              fmt::format("interrupted after {} frames; the outputs hold them whole", summary.frames));
+}
+
+}  // namespace knotreel::cli

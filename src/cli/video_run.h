@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+
+#include "cli/vectorize_options.h"
+#include "cli/video_options.h"
+#include "knotreel/pipeline/job.h"
+
+namespace knotreel::cli {
+
+/// What `transcode`, and `vectorize` for a video, are asked to do.
+struct VideoRun {
+  std::string input;
+  VideoInputOptions reading;
+  VectorizeOptions options;
+  track::TrackOptions tracking;
+  std::string document;      ///< empty: none
+  std::string split_folder;  ///< empty: none
+  pipeline::VideoOutput video;
+  double scale = 1;  ///< of the video
+  std::string size;  ///< of the video; wins over scale unless empty
+  std::string stats;
+  std::string progress;
+  int threads = 0;
+};
+
+/// Whether an input is to be read as a video: a folder, a pattern, a URL, or a file that is no picture.
+bool is_video(const std::string& input, const VideoInputOptions& options);
+
+/// Does it, with all lines, files and warnings beside it.
+/// @throws Error{kInterrupted} after a signal, when all files are whole.
+pipeline::Summary run_video(const VideoRun& run);
+
+/// What both commands say in the end: frames, time, quality.
+std::string summary_text(const std::string& output, const pipeline::Summary& summary);
+
+/// @throws Error{kInterrupted} if the run was stopped; files are whole.
+void check_stopped(const pipeline::Summary& summary);
+
+}  // namespace knotreel::cli

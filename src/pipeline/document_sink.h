@@ -1,0 +1,34 @@
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <string>
+
+#include "knotreel/document/writer.h"
+
+namespace knotreel::pipeline {
+
+/// A document that is written as OutputFile writes, or only counted. One thread at a time.
+class DocumentSink {
+ public:
+  /// @param path  `-`: standard output; empty: nothing is kept. @throws as OutputFile and document::Writer.
+  DocumentSink(const std::string& path, const document::SequenceInfo& info,
+               const document::EncodeOptions& options = {});
+  ~DocumentSink();
+
+  /// As document::Writer::append().
+  document::FrameModel append(const document::FrameModel& model);
+
+  /// Bytes so far.
+  std::uint64_t bytes() const;
+
+  /// Completes the document and gives it its name.
+  void finish();
+
+ private:
+  struct Stream;
+  std::unique_ptr<Stream> stream_;
+  document::Writer writer_;
+};
+
+}  // namespace knotreel::pipeline

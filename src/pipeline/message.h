@@ -1,0 +1,26 @@
+#pragma once
+
+#include <memory>
+
+#include "knotreel/document/frame_model.h"
+#include "knotreel/image/image.h"
+#include "knotreel/pipeline/job.h"
+
+namespace knotreel::pipeline {
+
+/// A frame on its way through the stages; each fills in its part.
+struct Message {
+  std::uint64_t index = 0;
+  video::Frame frame;  ///< its image is in `picture`
+  std::shared_ptr<const image::Image> picture;
+  std::shared_ptr<const image::Image> before;  ///< null for the first frame
+  std::unique_ptr<track::Motion> motion;
+  document::FrameModel model;  ///< from the stage "documents" on: as stored
+  image::Image rendering;      ///< of the size of the output
+  FrameRow row;
+};
+
+/// Messages are moved from stage to stage by the graph, which copies.
+using MessagePtr = std::shared_ptr<Message>;
+
+}  // namespace knotreel::pipeline

@@ -1,0 +1,102 @@
+#include "pipeline/picture_output.h"
+
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "knotreel/image/metrics.h"
+
+namespace knotreel::pipeline {
+namespace {
+
+image::Image rendered(const document::FrameModel& model, const raster::RenderOptions& options) {
+  const raster::Renderer renderer(model, options);
+  image::Image image = image::make_image(renderer.width(), renderer.height(), renderer.channels());
+  renderer.rows(0, image.height, image.samples);
+  return image;
+}
+
+void measure(const image::Image& picture, const image::Image& rendering, FrameRow& row) {
+  const image::ImageMetrics metrics = image::compare_images(picture, rendering);
+  row.mec = metrics.mec;
+  row.psnr = metrics.psnr;
+  row.ssim = metrics.ssim;
+}
+
+double seconds_since(Clock::time_point start) {
+  return std::chrono::duration<double>(Clock::now() - start).count();
+}
+
+}  // namespace
+
+PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo& source,
+                             const video::VideoReader* copied, FrameObserver on_frame)
+    : on_frame_(std::move(on_frame)) {
+  video::StreamInfo frames = source;
+  if (output.width > 0) frames.width = output.width;
+  if (output.height > 0) frames.height = output.height;
+  if (output.depth > 0) frames.depth = output.depth;
+  same_size_ = output.antialias && frames.width == source.width && frames.height == source.height;
+  at_output_.width = frames.width;
+  at_output_.height = frames.height;
+  at_output_.antialias = output.antialias;
+  if (output.path.empty()) return;
+  writer_.emplace(video::VideoWriter::create(output.path, frames, output.options, copied));
+}
+
+void PictureOutput::draw(Message& message) const {
+  if (message.picture) {
+    image::Image own = rendered(message.model, {});
+    measure(*message.picture, own, message.row);
+    if (writer_ && same_size_) message.rendering = std::move(own);
+  }
+  if (writer_ && message.rendering.samples.empty()) message.rendering = rendered(message.model, at_output_);
+}
+
+void PictureOutput::write(Message& message) {
+  if (!writer_) return;
+  writer_->write_packets(message.frame.packets);
+  writer_->write(message.rendering, message.frame.pts, message.frame.duration);
+  message.rendering = {};
+}
+
+void PictureOutput::write_packets(const std::vector<video::Packet>& packets) {
+  if (writer_) writer_->write_packets(packets);
+}
+
+void PictureOutput::sum_up(FrameRow& row) {
+  row.finished_seconds = seconds_since(start_);
+  if (sums_.frames == 0) sums_.first_frame_seconds = row.finished_seconds;
+  ++sums_.frames;
+  squared_error_ += std::pow(10.0, -row.psnr / 10);
+  sums_.mec += row.mec;
+  sums_.ssim += row.ssim;
+  sums_.knots += static_cast<double>(row.knots);
+  sums_.control_points += static_cast<double>(row.control_points);
+  if (row.start == track::to_string(track::Start::kWarm)) {
+    sums_.survival += row.survival;
+  } else if (!row.start.empty()) {
+    ++sums_.keyframes;
+  }
+  if (on_frame_) on_frame_(row);
+}
+
+Summary PictureOutput::finish() {
+  if (writer_) {
+    writer_->finish();
+    sums_.digest = writer_->digest();
+    sums_.warnings = writer_->warnings();
+  }
+  Summary summary = sums_;
+  summary.seconds = seconds_since(start_);
+  if (summary.frames == 0) return summary;
+  const double n = static_cast<double>(summary.frames);
+  const double warm = n - static_cast<double>(summary.keyframes);
+  summary.fps = n / summary.seconds;
+  summary.psnr = -10 * std::log10(squared_error_ / n);
+  for (double* sum : {&summary.mec, &summary.ssim, &summary.knots, &summary.control_points}) *sum /= n;
+  if (warm > 0) summary.survival /= warm;
+  return summary;
+}
+
+}  // namespace knotreel::pipeline

@@ -1,0 +1,45 @@
+#pragma once
+
+#include <chrono>
+#include <optional>
+
+#include "knotreel/pipeline/job.h"
+#include "knotreel/raster/render.h"
+#include "pipeline/message.h"
+
+namespace knotreel::pipeline {
+
+using Clock = std::chrono::steady_clock;
+
+/// The end of the way that all jobs share: models are drawn, and the pictures written and summed up.
+class PictureOutput {
+ public:
+  /// @param copied  whose other streams are copied; may be null. @throws as VideoWriter::create().
+  PictureOutput(const VideoOutput& output, const video::StreamInfo& source, const video::VideoReader* copied,
+                FrameObserver on_frame);
+
+  /// Draws the model at the size of the output; measures it at its own size if the message has the picture.
+  /// Several messages at once.
+  void draw(Message& message) const;
+
+  /// Writes what was drawn; in order, one at a time.
+  void write(Message& message);
+  void write_packets(const std::vector<video::Packet>& packets);
+
+  /// Adds the row to the summary and shows it to the caller; in order, one at a time.
+  void sum_up(FrameRow& row);
+
+  /// Completes the file.
+  Summary finish();
+
+ private:
+  raster::RenderOptions at_output_;
+  std::optional<video::VideoWriter> writer_;
+  bool same_size_ = false;
+  FrameObserver on_frame_;
+  Clock::time_point start_ = Clock::now();
+  Summary sums_;
+  double squared_error_ = 0;
+};
+
+}  // namespace knotreel::pipeline

@@ -1,0 +1,92 @@
+#include "knotreel/pipeline/render_job.h"
+
+#include "knotreel/spline/space.h"
+#include "pipeline/nodes.h"
+#include "pipeline/schedule.h"
+#include "pipeline/timed.h"
+
+namespace knotreel::pipeline {
+namespace {
+
+/// The stages of a RenderJob; as Stages.
+class RenderStages {
+ public:
+  explicit RenderStages(const RenderJob& job)
+      : job_(job),
+        schedule_(make_schedule(job)),
+        output_(job.video, schedule_.stream, nullptr, job.on_frame) {}
+
+  MessagePtr read() {
+    if (failure_.any() || stopped_ || next_ == schedule_.frames.size()) return nullptr;
+    stopped_ = job_.stop && job_.stop();
+    if (stopped_) return nullptr;
+    auto message = std::make_shared<Message>();
+    message->index = next_;
+    const Showing& showing = schedule_.frames[next_++];
+    timed(failure_, "read", *message, [&] { message->model = job_.reader->read(showing.frame); });
+    if (failure_.any()) return nullptr;
+    message->frame.pts = showing.pts;
+    message->frame.duration = showing.duration;
+    FrameRow& row = message->row;
+    row.index = message->index;
+    row.pts = showing.pts;
+    row.knots = message->model.space->mesh().knots.size();
+    row.control_points = message->model.space->function_count();
+    row.bytes = job_.reader->record(showing.frame).bytes;
+    return message;
+  }
+
+  void rasterize(Message& message) {
+    timed(failure_, "rasterize", message, [&] {
+      output_.draw(message);
+      message.model = {};
+    });
+  }
+
+  void encode(Message& message) {
+    timed(failure_, "encode", message, [&] { output_.write(message); });
+    timed(failure_, "report", message, [&] { output_.sum_up(message.row); });
+  }
+
+  Summary finish() {
+    failure_.rethrow();
+    Summary summary = output_.finish();
+    summary.document_bytes = job_.reader->file_bytes();
+    summary.stopped = stopped_;
+    return summary;
+  }
+
+ private:
+  const RenderJob& job_;
+  Schedule schedule_;
+  PictureOutput output_;
+  FirstFailure failure_;
+  std::size_t next_ = 0;
+  bool stopped_ = false;
+};
+
+}  // namespace
+
+Summary run_render(const RenderJob& job) {
+  RenderStages stages(job);
+  flow::graph graph;
+  flow::input_node<MessagePtr> read(graph, source([&] { return stages.read(); }));
+  flow::limiter_node<MessagePtr> limiter(graph, frames_in_flight(job.frames_in_flight));
+  Node rasterize(graph, flow::unlimited, isolated([&](Message& m) { stages.rasterize(m); }));
+  flow::sequencer_node<MessagePtr> in_order(graph, ByIndex{});
+  const auto body = isolated([&](Message& m) { stages.encode(m); });
+  LastNode encode(graph, flow::serial, [body](const MessagePtr& m) {
+    body(m);
+    return flow::continue_msg();
+  });
+  flow::make_edge(read, limiter);
+  flow::make_edge(limiter, rasterize);
+  flow::make_edge(rasterize, in_order);
+  flow::make_edge(in_order, encode);
+  flow::make_edge(encode, limiter.decrementer());
+  read.activate();
+  graph.wait_for_all();
+  return stages.finish();
+}
+
+}  // namespace knotreel::pipeline

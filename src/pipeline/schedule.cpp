@@ -1,0 +1,76 @@
+#include "pipeline/schedule.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+#include "knotreel/base/error.h"
+#include "knotreel/pipeline/sequence.h"
+
+namespace knotreel::pipeline {
+namespace {
+
+std::size_t checked_last(const RenderJob& job) {
+  const std::size_t count = job.reader->frame_count();
+  const std::size_t last = job.last.value_or(count - 1);
+  if (job.first > last || last >= count) {
+    throw Error(ErrorKind::kInvalidArgument, "there are no frames " + std::to_string(job.first) + "-" +
+                                                 std::to_string(last) + ": the document has " +
+                                                 std::to_string(count) + ", counted from 0");
+  }
+  return last;
+}
+
+/// Of the last frame of a document: what the document says, else as long as the frame before.
+std::int64_t last_duration(const document::Reader& reader) {
+  const std::size_t count = reader.frame_count();
+  const std::int64_t nominal = nominal_duration(stream_info(reader.info()));
+  if (nominal > 0) return nominal;
+  return count > 1 ? reader.record(count - 1).pts - reader.record(count - 2).pts : 0;
+}
+
+/// A video rendered from its middle on starts at zero all the same.
+std::vector<Showing> as_stored(const RenderJob& job, std::size_t last) {
+  std::vector<Showing> frames;
+  const std::int64_t shift = job.first > 0 ? job.reader->record(job.first).pts : 0;
+  for (std::size_t i = job.first; i <= last; ++i) {
+    const std::int64_t pts = job.reader->record(i).pts;
+    const bool ends = i + 1 == job.reader->frame_count();
+    frames.push_back(
+        {i, pts - shift, ends ? last_duration(*job.reader) : job.reader->record(i + 1).pts - pts});
+  }
+  return frames;
+}
+
+/// At every tick of the new rate the frame whose time is nearest.
+std::vector<Showing> resampled(const std::vector<Showing>& stored, double ticks_per_frame) {
+  const std::int64_t begin = stored.front().pts;
+  const double length = static_cast<double>(stored.back().pts + stored.back().duration - begin);
+  const auto count = std::max(1LL, std::llround(length / ticks_per_frame));
+  std::vector<Showing> frames;
+  std::size_t nearest = 0;
+  for (std::int64_t k = 0; k < count; ++k) {
+    const double time = static_cast<double>(begin) + static_cast<double>(k) * ticks_per_frame;
+    const auto distance = [&](std::size_t i) { return std::abs(static_cast<double>(stored[i].pts) - time); };
+    while (nearest + 1 < stored.size() && distance(nearest + 1) <= distance(nearest)) ++nearest;
+    frames.push_back({stored[nearest].frame, k, 1});
+  }
+  return frames;
+}
+
+}  // namespace
+
+Schedule make_schedule(const RenderJob& job) {
+  const std::size_t last = checked_last(job);
+  Schedule schedule{stream_info(job.reader->info()), as_stored(job, last)};
+  if (job.first > 0) schedule.stream.start = 0;
+  if (!job.rate.known()) return schedule;
+  const double ticks = 1 / (job.rate.value() * schedule.stream.time_base.value());
+  schedule.frames = resampled(schedule.frames, ticks);
+  schedule.stream.frame_rate = job.rate;
+  schedule.stream.time_base = {job.rate.den, job.rate.num};
+  schedule.stream.start = 0;
+  return schedule;
+}
+
+}  // namespace knotreel::pipeline

@@ -1,0 +1,18 @@
+#include "knotreel/pipeline/run.h"
+#include "pipeline/stages.h"
+
+namespace knotreel::pipeline {
+
+Summary run_sequential(const Job& job) {
+  Stages stages(job);
+  while (const MessagePtr message = stages.decode()) {
+    stages.analyse(*message);
+    stages.model(*message);
+    stages.documents(*message);
+    stages.rasterize(*message);
+    stages.encode(*message);
+  }
+  return stages.finish();
+}
+
+}  // namespace knotreel::pipeline

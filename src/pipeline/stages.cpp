@@ -1,0 +1,138 @@
+#include "pipeline/stages.h"
+
+#include <filesystem>
+#include <utility>
+
+#include "knotreel/base/error.h"
+#include "knotreel/motion/cut.h"
+#include "knotreel/motion/luma.h"
+#include "knotreel/pipeline/sequence.h"
+#include "pipeline/timed.h"
+
+namespace knotreel::pipeline {
+namespace {
+
+std::unique_ptr<track::Motion> motion_between(const image::Image& before, const image::Image& now,
+                                              const motion::FlowOptions& options) {
+  auto motion = std::make_unique<track::Motion>();
+  motion->before = std::make_shared<const motion::Luma>(motion::luma_of(before));
+  motion->now = std::make_shared<const motion::Luma>(motion::luma_of(now));
+  motion->flow = motion::find_flow_pair(*motion->before, *motion->now, options);
+  motion->change = motion::measure_change(before, now, *motion->before, *motion->now, motion->flow.forward,
+                                          motion->flow.consistent);
+  return motion;
+}
+
+/// "frame_000001.tcb" for the first frame.
+std::filesystem::path single_path(const std::string& folder, std::uint64_t index) {
+  std::string number = std::to_string(index + 1);
+  if (number.size() < 6) number.insert(0, 6 - number.size(), '0');
+  return std::filesystem::path(folder) / ("frame_" + number + ".tcb");
+}
+
+void make_folder(const std::string& folder) {
+  if (folder.empty()) return;
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (error) {
+    throw Error(ErrorKind::kOutput, "cannot make the folder '" + folder + "': " + error.message());
+  }
+}
+
+}  // namespace
+
+Stages::Stages(const Job& job)
+    : job_(job),
+      info_(sequence_info(job.reader->info(), job.source, job.cold.degree)),
+      output_(job.video, job.reader->info(), job.reader, job.on_frame),
+      document_(job.document, info_),
+      tracker_(job.cold, job.tracking) {
+  make_folder(job.split_folder);
+}
+
+MessagePtr Stages::decode() {
+  if (failure_.any() || stopped_) return nullptr;
+  stopped_ = job_.stop && job_.stop();
+  if (stopped_) return nullptr;
+  auto message = std::make_shared<Message>();
+  message->index = decoded_;
+  bool more = false;
+  timed(failure_, "decode", *message, [&] { more = job_.reader->next(message->frame); });
+  if (!more) return nullptr;
+  ++decoded_;
+  message->row.index = message->index;
+  message->row.pts = message->frame.pts;
+  message->picture = std::make_shared<const image::Image>(std::move(message->frame.image));
+  message->before = std::exchange(before_, message->picture);
+  return message;
+}
+
+void Stages::analyse(Message& message) {
+  timed(failure_, "analyse", message, [&] {
+    if (message.before && job_.tracking.warm_start) {
+      message.motion = motion_between(*message.before, *message.picture, job_.flow);
+    }
+    message.before.reset();
+  });
+}
+
+void Stages::model(Message& message) {
+  timed(failure_, "model", message, [&] {
+    track::FrameReport report;
+    message.model = tracker_.next(*message.picture, message.motion.get(), &report);
+    message.motion.reset();
+    message.model.frame = message.index;
+    message.model.pts = message.frame.pts;
+    message.row.start = track::to_string(report.start);
+    message.row.knots = report.knots;
+    message.row.control_points = report.control_points;
+    message.row.survival = report.survival;
+    message.row.model_milliseconds = std::move(report.milliseconds);
+  });
+}
+
+void Stages::documents(Message& message) {
+  timed(failure_, "documents", message, [&] {
+    if (!job_.split_folder.empty()) write_single(message);
+    const std::uint64_t before = document_.bytes();
+    message.model = document_.append(message.model);
+    message.row.bytes = document_.bytes() - before;
+  });
+}
+
+void Stages::write_single(const Message& message) {
+  document::FrameModel model = message.model;
+  model.keyframe = true;
+  DocumentSink single(single_path(job_.split_folder, message.index).string(), info_, {.rename_knots = true});
+  single.append(model);
+  single.finish();
+}
+
+void Stages::rasterize(Message& message) {
+  timed(failure_, "rasterize", message, [&] {
+    output_.draw(message);
+    message.model = {};
+    message.picture.reset();
+  });
+}
+
+void Stages::encode(Message& message) {
+  timed(failure_, "encode", message, [&] { output_.write(message); });
+  timed(failure_, "report", message, [&] { output_.sum_up(message.row); });
+}
+
+Summary Stages::finish() {
+  failure_.rethrow();
+  if (decoded_ == 0) {
+    if (stopped_) throw Error(ErrorKind::kInterrupted, "interrupted before the first frame");
+    throw Error(ErrorKind::kInput, "'" + job_.source + "' has no frame that can be decoded");
+  }
+  output_.write_packets(job_.reader->remaining_packets());
+  document_.finish();
+  Summary summary = output_.finish();
+  summary.document_bytes = document_.bytes();
+  summary.stopped = stopped_;
+  return summary;
+}
+
+}  // namespace knotreel::pipeline

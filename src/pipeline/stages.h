@@ -1,0 +1,45 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+
+#include "pipeline/document_sink.h"
+#include "pipeline/failure.h"
+#include "pipeline/message.h"
+#include "pipeline/picture_output.h"
+
+namespace knotreel::pipeline {
+
+/// The stages of a Job. analyse() and rasterize() may work on several messages at once, each of the others
+/// on one at a time and in order. No stage but finish() throws: see FirstFailure.
+class Stages {
+ public:
+  /// Opens the outputs. @throws as they do.
+  explicit Stages(const Job& job);
+
+  /// The next frame, with the picture before it; null at the end, after a stop, or after a failure.
+  MessagePtr decode();
+  void analyse(Message& message);
+  void model(Message& message);
+  void documents(Message& message);
+  void rasterize(Message& message);
+  void encode(Message& message);
+
+  /// Completes the files. @throws the first failure of any stage.
+  Summary finish();
+
+ private:
+  void write_single(const Message& message);
+
+  const Job& job_;
+  document::SequenceInfo info_;
+  PictureOutput output_;
+  DocumentSink document_;
+  track::Tracker tracker_;
+  FirstFailure failure_;
+  std::shared_ptr<const image::Image> before_;
+  std::uint64_t decoded_ = 0;
+  bool stopped_ = false;
+};
+
+}  // namespace knotreel::pipeline

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <utility>
+
+#include "pipeline/failure.h"
+#include "pipeline/message.h"
+#include "pipeline/picture_output.h"
+
+namespace knotreel::pipeline {
+
+/// Runs one stage of one message, on a clock. After a failure, of this stage or another, it does nothing.
+template <class Body>
+void timed(FirstFailure& failure, const char* stage, Message& message, Body&& body) {
+  if (failure.any()) return;
+  const Clock::time_point start = Clock::now();
+  try {
+    std::forward<Body>(body)();
+  } catch (...) {
+    failure.keep(message.index, stage);
+  }
+  const std::chrono::duration<double, std::milli> passed = Clock::now() - start;
+  message.row.milliseconds.emplace_back(stage, passed.count());
+}
+
+}  // namespace knotreel::pipeline

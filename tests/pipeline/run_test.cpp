@@ -1,0 +1,188 @@
+#include "knotreel/pipeline/run.h"
+
+#include <gtest/gtest.h>
+
+#include <functional>
+
+#include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
+#include "knotreel/document/reader.h"
+#include "knotreel/pipeline/render_job.h"
+#include "support/clips.h"
+#include "support/temp_dir.h"
+
+namespace knotreel::pipeline {
+namespace {
+
+constexpr int kFrames = 8;
+
+/// A clip, and jobs that work on it.
+class PipelineRun : public testing::Test {
+ protected:
+  PipelineRun() : times_(test::write_clip(clip_, kFrames)) {}
+
+  std::string path(const std::string& name) const { return (dir_ / name).string(); }
+
+  Job job_of(video::VideoReader& reader) const {
+    Job job;
+    job.reader = &reader;
+    job.source = "clip.mkv";
+    job.cold = vectorize::preset_options(vectorize::Preset::kFast);
+    job.cold.max_control_points = 120;
+    return job;
+  }
+
+  /// The document that a run makes.
+  std::string document_of(const std::function<Summary(const Job&)>& run, const std::string& name) const {
+    video::VideoReader reader = video::VideoReader::open(clip_);
+    Job job = job_of(reader);
+    job.document = path(name);
+    EXPECT_EQ(run(job).frames, std::uint64_t{kFrames});
+    return test::read_text(job.document);
+  }
+
+  test::TempDir dir_;
+  std::string clip_ = (dir_ / "clip.mkv").string();
+  std::vector<std::int64_t> times_;
+};
+
+TEST_F(PipelineRun, TheGraphMakesTheSameDocumentAsTheReference) {
+  const std::string reference = document_of(run_sequential, "reference.tcb");
+  ASSERT_FALSE(reference.empty());
+  for (const int threads : {1, 2, 5}) {
+    const ThreadCap cap(threads);
+    EXPECT_TRUE(document_of(run_graph, "graph.tcb") == reference) << threads;
+  }
+}
+
+TEST_F(PipelineRun, OneFrameInFlightIsEnough) {
+  const std::string reference = document_of(run_sequential, "reference.tcb");
+  const auto narrow = [](Job job) {
+    job.frames_in_flight = 1;
+    return run_graph(job);
+  };
+  EXPECT_TRUE(document_of(narrow, "narrow.tcb") == reference);
+}
+
+TEST_F(PipelineRun, FramesKeepTheirNumberTimesAndOrder) {
+  video::VideoReader reader = video::VideoReader::open(clip_);
+  Job job = job_of(reader);
+  job.document = path("out.tcb");
+  job.video.path = path("out.mkv");
+  job.video.options.codec = "ffv1";
+  job.video.width = 128;
+  job.video.height = 96;
+  std::vector<FrameRow> rows;
+  job.on_frame = [&](const FrameRow& row) { rows.push_back(row); };
+  const Summary summary = run_graph(job);
+  EXPECT_EQ(summary.keyframes, 1u);
+  EXPECT_GT(summary.psnr, 20);
+  EXPECT_EQ(summary.document_bytes, test::read_text(job.document).size());
+  ASSERT_EQ(rows.size(), times_.size());
+  document::Reader document = document::Reader::open(job.document);
+  ASSERT_EQ(document.frame_count(), times_.size());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    EXPECT_EQ(rows[i].index, i);
+    EXPECT_EQ(rows[i].pts, times_[i]);
+    EXPECT_EQ(rows[i].start, i == 0 ? "first" : "warm");
+    EXPECT_EQ(document.record(i).frame, i);
+    EXPECT_EQ(document.record(i).pts, times_[i]);
+    EXPECT_EQ(document.record(i).bytes, rows[i].bytes);
+  }
+  EXPECT_EQ(test::frame_times(job.video.path), times_);
+}
+
+TEST_F(PipelineRun, ADocumentGivesTheVideoBack) {
+  document_of(run_graph, "clip.tcb");
+  document::Reader document = document::Reader::open(path("clip.tcb"));
+  RenderJob job;
+  job.reader = &document;
+  job.video.path = path("back.mkv");
+  EXPECT_EQ(run_render(job).frames, std::uint64_t{kFrames});
+  EXPECT_EQ(test::frame_times(job.video.path), times_);
+
+  job.video.path = path("part.mkv");
+  job.first = 2;
+  job.last = 4;
+  EXPECT_EQ(run_render(job).frames, 3u);
+  const std::int64_t begin = times_[2];
+  EXPECT_EQ(test::frame_times(job.video.path),
+            (std::vector{times_[2] - begin, times_[3] - begin, times_[4] - begin}));
+}
+
+TEST_F(PipelineRun, AnotherRateRepeatsFrames) {
+  document_of(run_graph, "clip.tcb");
+  document::Reader document = document::Reader::open(path("clip.tcb"));
+  RenderJob job;
+  job.reader = &document;
+  job.rate = {50, 1};
+  job.video.path = "null";
+  job.video.options.container = "null";
+  // Eight frames last 10 x 40 ms.
+  EXPECT_EQ(run_render(job).frames, 20u);
+}
+
+TEST_F(PipelineRun, AFullDiskIsToldWithFrameAndStage) {
+  video::VideoReader reader = video::VideoReader::open(clip_);
+  Job job = job_of(reader);
+  job.video.path = "/dev/full";
+  job.video.options.container = "rawvideo";
+  job.video.options.codec = "rawvideo";
+  try {
+    run_graph(job);
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::kOutput);
+    EXPECT_NE(std::string(e.what()).find("/dev/full"), std::string::npos) << e.what();
+  }
+}
+
+TEST_F(PipelineRun, AnErrorOfTheCallerEndsTheRunAndLeavesNoFile) {
+  video::VideoReader reader = video::VideoReader::open(clip_);
+  Job job = job_of(reader);
+  job.document = path("out.tcb");
+  job.video.path = path("out.mkv");
+  job.on_frame = [](const FrameRow& row) {
+    if (row.index == 3) throw Error(ErrorKind::kOutput, "no more");
+  };
+  try {
+    run_graph(job);
+    FAIL() << "no error";
+  } catch (const Error& e) {
+    EXPECT_EQ(e.kind(), ErrorKind::kOutput);
+    EXPECT_EQ(e.what(), std::string("frame 3, report: no more"));
+  }
+  EXPECT_EQ(dir_.entries(), 1u);
+}
+
+TEST_F(PipelineRun, AfterAStopTheFilesHoldTheFramesDone) {
+  video::VideoReader reader = video::VideoReader::open(clip_);
+  Job job = job_of(reader);
+  job.document = path("out.tcb");
+  job.video.path = path("out.mkv");
+  int asked = 0;
+  job.stop = [&] { return ++asked > 3; };
+  const Summary summary = run_graph(job);
+  EXPECT_TRUE(summary.stopped);
+  EXPECT_EQ(summary.frames, 3u);
+  EXPECT_EQ(test::frame_times(job.video.path).size(), 3u);
+  const document::Reader document = document::Reader::open(job.document);
+  EXPECT_TRUE(document.complete());
+  EXPECT_EQ(document.frame_count(), 3u);
+}
+
+TEST_F(PipelineRun, SplitDocumentsStandAlone) {
+  video::VideoReader reader = video::VideoReader::open(clip_);
+  Job job = job_of(reader);
+  job.split_folder = path("split");
+  run_graph(job);
+  for (int i = 1; i <= kFrames; ++i) {
+    document::Reader document =
+        document::Reader::open(path("split/frame_00000" + std::to_string(i) + ".tcb"));
+    EXPECT_EQ(document.frame_count(), 1u);
+    EXPECT_EQ(document.read(0).pts, times_[std::size_t(i) - 1]);
+  }
+}
+
+}  // namespace
+}  // namespace knotreel::pipeline

@@ -1,0 +1,57 @@
+#include "knotreel/pipeline/sequence.h"
+
+#include <gtest/gtest.h>
+
+namespace knotreel::pipeline {
+namespace {
+
+video::StreamInfo odd_stream() {
+  video::StreamInfo stream;
+  stream.width = 320;
+  stream.height = 180;
+  stream.channels = 4;
+  stream.depth = 10;
+  stream.pixel_format = "yuva420p10le";
+  stream.time_base = {1, 90000};
+  stream.frame_rate = {30000, 1001};
+  stream.sample_aspect = {128, 117};
+  stream.colour = {.range = 2, .matrix = 9, .primaries = 1, .transfer = 13, .chroma_location = 3};
+  for (int i = 0; i < 36; ++i) stream.display_matrix.push_back(std::byte(7 * i));
+  stream.start = -512;
+  return stream;
+}
+
+TEST(Sequence, ADocumentKeepsWhatAWriterWantsToKnow) {
+  const video::StreamInfo before = odd_stream();
+  const video::StreamInfo after = stream_info(sequence_info(before, "in.mov", 2));
+  EXPECT_EQ(after.width, before.width);
+  EXPECT_EQ(after.height, before.height);
+  EXPECT_EQ(after.channels, before.channels);
+  EXPECT_EQ(after.depth, before.depth);
+  EXPECT_EQ(after.pixel_format, before.pixel_format);
+  EXPECT_EQ(after.time_base, before.time_base);
+  EXPECT_EQ(after.frame_rate, before.frame_rate);
+  EXPECT_EQ(after.sample_aspect, before.sample_aspect);
+  EXPECT_EQ(after.colour, before.colour);
+  EXPECT_EQ(after.display_matrix, before.display_matrix);
+  EXPECT_EQ(after.start, before.start);
+}
+
+TEST(Sequence, NonsenseInTheMetadataCountsAsUnknown) {
+  document::SequenceInfo info = sequence_info(odd_stream(), "in.mov", 2);
+  for (auto& [key, value] : info.metadata) value = "x" + value;
+  const video::StreamInfo stream = stream_info(info);
+  EXPECT_FALSE(stream.frame_rate.known());
+  EXPECT_FALSE(stream.sample_aspect.known());
+  EXPECT_EQ(stream.colour, video::ColourTags{});
+  EXPECT_TRUE(stream.display_matrix.empty());
+  EXPECT_EQ(stream.depth, 8);
+}
+
+TEST(Sequence, TheNominalDurationIsThatOfTheFrameRate) {
+  EXPECT_EQ(nominal_duration(odd_stream()), 3003);
+  EXPECT_EQ(nominal_duration({}), 0);
+}
+
+}  // namespace
+}  // namespace knotreel::pipeline
