@@ -15,6 +15,7 @@
 #include "knotreel/vectorize/vectorize.h"
 #include "track/carried_geometry.h"
 #include "track/carried_links.h"
+#include "track/matching.h"
 #include "track/placed_pixels.h"
 #include "track/settle.h"
 #include "track/snap.h"
@@ -205,6 +206,7 @@ class Tracker::Impl {
         temporal_target(picture, colours_.residual, placed_.weights, motion, options_.temporal_weight);
     lap("target");
     const KnotMesh before = space_->mesh();
+    frame_before_ = {space_, colours_.control};
     take_over(std::move(carried));
     bend_curves(*motion.now);
     fit(picture, wanted);
@@ -253,8 +255,25 @@ class Tracker::Impl {
     const fit::PixelValues values(*basis_, picture.width, picture.height, placed_.places);
     lap("basis");
     colours_ = fit::fit_colours(values, placed_.view(), cold_.colour);
+    hold_colours();
     keep_residual(values, picture);
     lap("colours");
+  }
+
+  /// Control points whose colour hardly changes keep that of the frame before: less to store, less to
+  /// flicker.
+  void hold_colours() {
+    if (options_.colour_hold <= 0 || !frame_before_.space) return;
+    const std::vector<std::uint32_t> match = match_functions(*frame_before_.space, *space_);
+    const std::size_t channels = colours_.control.size() / match.size();
+    for (std::size_t f = 0; f < match.size(); ++f) {
+      if (match[f] == kNoMatch) continue;
+      for (std::size_t c = 0; c < channels; ++c) {
+        const double old = frame_before_.control[match[f] * channels + c];
+        double& now = colours_.control[f * channels + c];
+        if (std::abs(now - old) < options_.colour_hold) now = old;
+      }
+    }
   }
 
   /// The mesh that the next frame starts from: knots go a step against the gradient of the error, and those
@@ -337,6 +356,10 @@ class Tracker::Impl {
   PlacedPixels placed_;
   std::unique_ptr<const spline::Basis> basis_;  ///< of space_
   KnotMesh next_mesh_;
+  struct {
+    std::shared_ptr<const spline::SplineSpace> space;
+    std::vector<double> control;
+  } frame_before_;
   Settling settling_;
   std::unique_ptr<knots::Target> target_;
   std::uint32_t next_id_ = 0;
