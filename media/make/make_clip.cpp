@@ -19,7 +19,7 @@ void write_video(const std::string& path, int width, int height) {
   info.colour = {.range = 1, .matrix = 1, .primaries = 1, .transfer = 1, .chroma_location = 1};
   video::WriteOptions options;
   options.codec = "h264";
-  options.crf = 20;
+  options.crf = 17;
   options.preset = "veryslow";
   options.threads = 1;  // the bytes depend on it
   auto writer = video::VideoWriter::create(path, info, options);
