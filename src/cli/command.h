@@ -10,6 +10,7 @@ namespace knotreel::cli {
 
 void add_vectorize_command(CLI::App& program);
 void add_transcode_command(CLI::App& program);
+void add_batch_command(CLI::App& program);
 void add_render_command(CLI::App& program);
 void add_export_command(CLI::App& program);
 void add_info_command(CLI::App& program);

@@ -49,6 +49,7 @@ void run(int argc, char** argv) {
   program.require_subcommand(1);
   cli::add_vectorize_command(program);
   cli::add_transcode_command(program);
+  cli::add_batch_command(program);
   cli::add_render_command(program);
   cli::add_export_command(program);
   cli::add_info_command(program);

@@ -8,6 +8,7 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
+#include "knotreel/base/natural_order.h"
 
 namespace knotreel::video {
 namespace fs = std::filesystem;
@@ -129,24 +130,6 @@ std::vector<std::string> list_pictures(const std::string& input) {
   if (names.empty()) throw Error(ErrorKind::kInput, cannot_read(input, "pictures") + "there are none");
   for (std::string& name : names) name = (where / name).string();
   return names;
-}
-
-bool natural_less(const std::string& a, const std::string& b) {
-  std::size_t i = 0, j = 0;
-  while (i < a.size() && j < b.size()) {
-    if (is_digit(a[i]) && is_digit(b[j])) {
-      const std::string left = digits_at(a, i), right = digits_at(b, j);
-      if (left.size() != right.size()) return left.size() < right.size();
-      if (left != right) return left < right;
-    } else if (a[i] != b[j]) {
-      return static_cast<unsigned char>(a[i]) < static_cast<unsigned char>(b[j]);
-    } else {
-      ++i;
-      ++j;
-    }
-  }
-  if ((i < a.size()) != (j < b.size())) return j < b.size();
-  return a < b;
 }
 
 }  // namespace knotreel::video

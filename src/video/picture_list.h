@@ -24,7 +24,4 @@ bool means_pictures(const std::string& input);
 /// @throws Error{kInput} if there are none.
 std::vector<std::string> list_pictures(const std::string& input);
 
-/// Whether a comes before b when digits count as numbers.
-bool natural_less(const std::string& a, const std::string& b);
-
 }  // namespace knotreel::video

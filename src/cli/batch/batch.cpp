@@ -1,0 +1,111 @@
+#include <algorithm>
+#include <filesystem>
+#include <memory>
+#include <thread>
+
+#include "cli/batch/run.h"
+#include "cli/command.h"
+#include "cli/vectorize_options.h"
+#include "knotreel/base/error.h"
+
+namespace knotreel::cli {
+namespace {
+
+struct Arguments {
+  batch::Places places;
+  std::string manifest;
+  bool resume = false;
+  bool verbose = false;
+  int jobs = 0;
+  int threads = 0;
+  double alone_above = 4;  // megapixels
+  VectorizeOptions options;
+};
+
+batch::Crew crew_for(const Arguments& arguments, std::size_t items) {
+  const int cores = std::max(1, int(std::thread::hardware_concurrency()));
+  const int threads = arguments.threads > 0 ? arguments.threads : std::max(cores, arguments.jobs);
+  const int jobs = arguments.jobs > 0 ? arguments.jobs : cores;
+  return {int(std::min<std::size_t>(std::size_t(std::min(jobs, threads)), items)), threads};
+}
+
+void make_output_folder(const std::string& folder) {
+  std::error_code error;
+  std::filesystem::create_directories(folder, error);
+  if (!error && !std::filesystem::is_directory(folder))
+    error = std::make_error_code(std::errc::not_a_directory);
+  if (error) throw Error(ErrorKind::kOutput, "cannot make folder '" + folder + "': " + error.message());
+}
+
+void run_batch(const Arguments& arguments) {
+  effective_options(arguments.options, 1);  // wrong ones are told of now
+  batch::Lot lot;
+  lot.items = batch::find_items(arguments.places);
+  lot.crew = crew_for(arguments, lot.items.size());
+  make_output_folder(arguments.places.output);
+  const std::string path = arguments.manifest.empty()
+                               ? (std::filesystem::path(arguments.places.output) / "manifest.jsonl").string()
+                               : arguments.manifest;
+  if (arguments.resume) lot.before = batch::read_manifest(path);
+  batch::Manifest manifest(path, arguments.resume);
+  batch::Progress progress(lot.items.size(), arguments.verbose);
+  batch::run_lot(lot, batch::PictureJob(arguments.options, 1e6 * arguments.alone_above), manifest, progress);
+}
+
+void add_places(CLI::App& command, Arguments& arguments) {
+  command
+      .add_option(
+          "INPUT", arguments.places.input,
+          "Folder of pictures, or text file with one path per line;\n'-': such lines on standard input")
+      ->type_name("")
+      ->required();
+  command.add_option("-o,--output", arguments.places.output, "Folder for the documents, made if missing")
+      ->type_name("DIR")
+      ->required();
+  command.add_flag("--recursive", arguments.places.recursive, "Also the folders in the input folder");
+  command
+      .add_option("--manifest", arguments.manifest,
+                  "Write a line of JSON for every picture that is through\n(default manifest.jsonl among the "
+                  "documents)")
+      ->type_name("FILE");
+  command.add_flag("--resume", arguments.resume,
+                   "Go on with the manifest: skip what is done and has not changed");
+}
+
+void add_effort(CLI::App& command, Arguments& arguments) {
+  command.add_option("--jobs", arguments.jobs, "Most pictures at once, up to 1024; 0: one per core")
+      ->check(CLI::Range(0, 1024).description(""))
+      ->type_name("N")
+      ->capture_default_str();
+  command
+      .add_option("--alone-above", arguments.alone_above,
+                  "Pictures of more megapixels are worked on alone, for their memory")
+      ->check(CLI::Range(0.0, 1000.0).description(""))
+      ->type_name("MP")
+      ->capture_default_str();
+  command.add_flag("-v,--verbose", arguments.verbose, "A line for every picture");
+  add_threads_option(command, arguments.threads);
+}
+
+constexpr const char* kFooter = R"(
+photo.png becomes photo.tcb, byte for byte as 'knotreel vectorize' makes it. Pictures that would get the same
+document keep their extensions: a.png.tcb, a.jpg.tcb. A picture that cannot be read does not stop the others.
+Exit codes: 0 all done, 3 some inputs failed, 4 some outputs could not be written, 130 interrupted.
+Examples:
+  knotreel batch photos -o documents
+  knotreel batch photos -o documents --resume
+  find . -name '*.png' | knotreel batch - -o documents --preset fast --jobs 4 -v)";
+
+}  // namespace
+
+void add_batch_command(CLI::App& program) {
+  CLI::App* command = program.add_subcommand("batch", "Turn many pictures into vector documents");
+  const auto arguments = std::make_shared<Arguments>();
+  add_places(*command, *arguments);
+  add_vectorize_options(*command, arguments->options);
+  add_effort(*command, *arguments);
+  command->footer(kFooter);
+  command->callback([arguments] { run_batch(*arguments); });
+}
+
+}  // namespace knotreel::cli

@@ -1,0 +1,102 @@
+#include "cli/batch/progress.h"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <cmath>
+
+#include "cli/command.h"
+#include "cli/metrics_report.h"
+
+namespace knotreel::cli::batch {
+namespace {
+
+constexpr const char* kClearLine = "\r\x1b[K";
+
+std::string duration_text(double seconds) {
+  const auto whole = static_cast<long long>(std::ceil(seconds));
+  if (whole < 60) return fmt::format("{} s", whole);
+  if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+  return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
+}
+
+/// File names may hold anything, and a line is a line.
+std::string printable(std::string text) {
+  for (char& c : text) {
+    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
+  }
+  return text;
+}
+
+std::string line_of(const Entry& entry) {
+  if (entry.status != "done" || !entry.figures) return entry.item.output + ": " + entry.status;
+  const Figures& f = *entry.figures;
+  return fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}, {:.1f} s", entry.item.output,
+                     f.knots, f.control_points, f.file_bytes, psnr_text(f.psnr), entry.seconds);
+}
+
+}  // namespace
+
+Progress::Progress(std::size_t total, bool verbose)
+    : verbose_(verbose),
+      error_stream_(::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3)),
+      terminal_(::isatty(STDERR_FILENO) == 1) {
+  counts_.total = total;
+}
+
+Progress::~Progress() {
+  clear();
+  if (error_stream_ >= 0) ::close(error_stream_);
+}
+
+void Progress::add(const Entry& entry) {
+  const std::lock_guard lock(mutex_);
+  ++(entry.status == "done" ? counts_.done : entry.status == "failed" ? counts_.failed : counts_.skipped);
+  clear();
+  if (entry.status == "failed") {
+    put_error("knotreel: " + printable(entry.error) + "\n");
+  } else if (verbose_) {
+    write_text("-", printable(line_of(entry)) + "\n");
+  }
+  show();
+}
+
+void Progress::tick() {
+  const std::lock_guard lock(mutex_);
+  show();
+}
+
+void Progress::finish() {
+  clear();
+  write_text("-", fmt::format("{} items: {} done, {} failed, {} skipped in {:.1f} s\n", counts_.total,
+                              counts_.done, counts_.failed, counts_.skipped, seconds()));
+}
+
+void Progress::clear() {
+  if (terminal_) put_error(kClearLine);
+}
+
+void Progress::show() {
+  if (!terminal_) return;
+  std::string text = fmt::format("knotreel: {} of {} items", counts_.ended(), counts_.total);
+  if (counts_.failed > 0) text += fmt::format(", {} failed", counts_.failed);
+  // What was skipped took no time, and says nothing of what is to come.
+  if (const std::size_t made = counts_.done + counts_.failed; made > 0) {
+    const double rate = double(made) / seconds();
+    const double left = double(counts_.total - counts_.ended());
+    text += fmt::format(", {:.2g} per second, {} to go", rate, duration_text(left / rate));
+  }
+  put_error(kClearLine + text);
+}
+
+void Progress::put_error(const std::string& text) {
+  // What cannot be shown is no reason to stop.
+  [[maybe_unused]] const ssize_t ignored = ::write(error_stream_, text.data(), text.size());
+}
+
+double Progress::seconds() const {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+}
+
+}  // namespace knotreel::cli::batch

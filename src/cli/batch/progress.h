@@ -1,0 +1,55 @@
+#pragma once
+
+#include <chrono>
+#include <mutex>
+#include <string>
+
+#include "cli/batch/manifest.h"
+
+namespace knotreel::cli::batch {
+
+/// How many items ended how.
+struct Counts {
+  std::size_t total = 0;
+  std::size_t done = 0;
+  std::size_t failed = 0;
+  std::size_t skipped = 0;
+
+  std::size_t ended() const { return done + failed + skipped; }
+};
+
+/// Tells how the lot is getting on. Errors go to standard error, lines about items and the sum to standard
+/// output, and a line that is gone afterwards to a terminal. Safe to use from several threads.
+class Progress {
+ public:
+  Progress(std::size_t total, bool verbose);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// An item has ended.
+  void add(const Entry& entry);
+  /// Shows the line anew, if there is a terminal.
+  void tick();
+  /// "12 items: 10 done, 2 failed, 0 skipped in 3.4 s", on standard output. Call it when all has ended.
+  void finish();
+
+  /// For when all has ended.
+  const Counts& counts() const { return counts_; }
+
+ private:
+  void clear();
+  void show();
+  void put_error(const std::string& text);
+  double seconds() const;
+
+  std::mutex mutex_;
+  Counts counts_;
+  bool verbose_;
+  // A copy: the codecs of some formats make standard error mute while they are at work.
+  int error_stream_;
+  bool terminal_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace knotreel::cli::batch

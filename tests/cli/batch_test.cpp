@@ -1,0 +1,217 @@
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+#include "program.h"
+
+namespace knotreel {
+namespace {
+
+namespace fs = std::filesystem;
+using nlohmann::json;
+using test::expect_failure;
+using test::expect_success;
+using test::read_text;
+using test::TempDir;
+using test::write_text;
+
+/// A folder `in` of small pictures, and a place for the documents.
+struct Lot {
+  TempDir dir;
+  std::string in = (dir / "in").string();
+  std::string out = (dir / "out").string();
+
+  explicit Lot(const std::vector<std::string>& names) {
+    for (const std::string& name : names) add(name, 24 + int(3 * name.size()));
+  }
+
+  void add(const std::string& name, int width) const {
+    fs::create_directories(fs::path(in_file(name)).parent_path());
+    image::write_image(in_file(name), test::sharp_picture(width, 20, 3));
+  }
+  std::string in_file(const std::string& name) const { return in + "/" + name; }
+  std::string out_file(const std::string& name) const { return out + "/" + name; }
+
+  test::ProcessResult run(std::vector<std::string> more = {},
+                          const test::ProcessOptions& options = {}) const {
+    more.insert(more.begin(), {"batch", in, "-o", out, "--preset", "fast"});
+    return test::knotreel(more, options);
+  }
+
+  std::vector<json> lines() const {
+    std::vector<json> all;
+    std::istringstream text(read_text(out_file("manifest.jsonl")));
+    for (std::string line; std::getline(text, line);) all.push_back(json::parse(line));
+    return all;
+  }
+
+  /// Status by name of the output, of the last `count` lines.
+  std::map<std::string, std::string> last(std::size_t count) const {
+    std::map<std::string, std::string> result;
+    const auto all = lines();
+    for (std::size_t i = all.size() - count; i < all.size(); ++i) {
+      result[fs::path(all[i]["output"].get<std::string>()).filename()] = all[i]["status"];
+    }
+    return result;
+  }
+};
+
+using Status = std::map<std::string, std::string>;
+
+TEST(CliBatch, AFolderInNaturalOrder) {
+  const Lot lot({"p10.png", "p9.png", "p1.png", ".hidden.png", "sub/q.png"});
+  write_text(lot.in_file("notes.txt"), "no picture");
+  const auto result = lot.run({"--jobs", "1", "-v"});
+  expect_success(result);
+  EXPECT_NE(result.out.find("3 items: 3 done, 0 failed, 0 skipped"), std::string::npos) << result.out;
+  EXPECT_EQ(std::count(result.out.begin(), result.out.end(), '\n'), 4);
+  const auto lines = lot.lines();
+  ASSERT_EQ(lines.size(), 3u);
+  const std::vector<std::string> order{"p1", "p9", "p10"};
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_EQ(lines[i]["input"], lot.in_file(order[i] + ".png"));
+    EXPECT_EQ(lines[i]["output"], lot.out_file(order[i] + ".tcb"));
+    EXPECT_EQ(lines[i]["status"], "done");
+    EXPECT_TRUE(lines[i]["error"].is_null());
+    EXPECT_GT(lines[i]["knots"], 3);
+    EXPECT_GT(lines[i]["control_points"], 3);
+    EXPECT_GT(lines[i]["psnr"], 20);
+    EXPECT_EQ(lines[i]["file_bytes"], fs::file_size(lot.out_file(order[i] + ".tcb")));
+    EXPECT_EQ(lines[i]["input_size"], fs::file_size(lot.in_file(order[i] + ".png")));
+    EXPECT_GT(lines[i]["input_mtime"], 0);
+  }
+}
+
+TEST(CliBatch, TheBytesOfVectorizeForAnyNumberOfJobs) {
+  const Lot lot({"a.png", "bb.png", "ccc.png", "sub/a.png"});
+  std::map<std::string, std::string> expected;
+  for (const std::string name : {"a", "bb", "ccc", "sub/a"}) {
+    const std::string alone = (lot.dir / "alone.tcb").string();
+    expect_success(
+        test::knotreel({"vectorize", lot.in_file(name + ".png"), "-o", alone, "--preset", "fast"}));
+    expected[name] = read_text(alone);
+  }
+  const std::vector<std::vector<std::string>> ways{{"--jobs", "1", "--threads", "1"},
+                                                   {"--jobs", "4", "--threads", "4"},
+                                                   {"--jobs", "3", "--threads", "7"},
+                                                   {"--jobs", "3", "--alone-above", "0"}};
+  for (auto way : ways) {
+    SCOPED_TRACE(testing::PrintToString(way));
+    fs::remove_all(lot.out);
+    way.emplace_back("--recursive");
+    expect_success(lot.run(way));
+    for (const auto& [name, bytes] : expected) EXPECT_TRUE(read_text(lot.out_file(name + ".tcb")) == bytes);
+  }
+}
+
+TEST(CliBatch, AListFromAFileOrStandardInput) {
+  const Lot lot({"b.png", "a.png", "c.png"});
+  const std::string list = lot.in_file("b.png") + "\n\n" + lot.in_file("a.png") + "\r\n" +
+                           lot.in_file("b.png") + "\n" + lot.in_file("a.png");
+  write_text(lot.dir / "list.txt", list);
+  const std::vector<std::string> options{"-o", lot.out, "--preset", "fast", "--jobs", "1"};
+  for (const std::string& from : {(lot.dir / "list.txt").string(), std::string("-")}) {
+    std::vector<std::string> command{"batch", from};
+    command.insert(command.end(), options.begin(), options.end());
+    expect_success(test::knotreel(command, {.input = from == "-" ? list : ""}));
+    const auto lines = lot.lines();
+    ASSERT_EQ(lines.size(), 2u);
+    EXPECT_EQ(lines[0]["input"], lot.in_file("b.png"));
+    EXPECT_EQ(lines[1]["input"], lot.in_file("a.png"));
+  }
+}
+
+TEST(CliBatch, InputsOfOneNameKeepTheirExtensions) {
+  const Lot lot({"a.png", "b.png"});
+  image::write_image(lot.in_file("a.ppm"), test::smooth_picture(20, 20, 3));
+  expect_success(lot.run());
+  EXPECT_EQ(lot.last(3), (Status{{"a.png.tcb", "done"}, {"a.ppm.tcb", "done"}, {"b.tcb", "done"}}));
+}
+
+TEST(CliBatch, ABadInputDoesNotStopTheOthers) {
+  const Lot lot({"a.png", "c.png"});
+  write_text(lot.in_file("b.png"), read_text(lot.in_file("a.png")).substr(0, 60));
+  const auto result = lot.run();
+  EXPECT_EQ(result.exit_code, 3);
+  EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 2) << result.err;
+  EXPECT_NE(result.err.find("knotreel: cannot read image"), std::string::npos) << result.err;
+  EXPECT_NE(result.out.find("3 items: 2 done, 1 failed"), std::string::npos) << result.out;
+  EXPECT_EQ(lot.last(3), (Status{{"a.tcb", "done"}, {"b.tcb", "failed"}, {"c.tcb", "done"}}));
+  EXPECT_FALSE(fs::exists(lot.out_file("b.tcb")));
+  // Once it is mended, only it is done.
+  lot.add("b.png", 30);
+  expect_success(lot.run({"--resume"}));
+  EXPECT_EQ(lot.last(3), (Status{{"a.tcb", "skipped"}, {"b.tcb", "done"}, {"c.tcb", "skipped"}}));
+}
+
+TEST(CliBatch, ResumeDoesWhatIsMissingChangedOrDamaged) {
+  const Lot lot({"a.png", "b.png", "c.png", "d.png"});
+  expect_success(lot.run());
+  const auto times = [&] {
+    std::vector<fs::file_time_type> all;
+    for (const std::string name : {"a", "b", "c", "d"})
+      all.push_back(fs::last_write_time(lot.out_file(name + ".tcb")));
+    return all;
+  };
+  const auto before = times();
+  expect_success(lot.run({"--resume"}));
+  EXPECT_EQ(times(), before);
+  EXPECT_EQ(lot.lines().size(), 8u);
+
+  lot.add("b.png", 40);
+  std::string bytes = read_text(lot.out_file("c.tcb"));
+  bytes[bytes.size() / 2] = char(bytes[bytes.size() / 2] ^ 4);
+  write_text(lot.out_file("c.tcb"), bytes);
+  fs::remove(lot.out_file("d.tcb"));
+  // As a kill may leave it.
+  std::ofstream(lot.out_file("manifest.jsonl"), std::ios::app) << R"({"input": "half)";
+  expect_success(lot.run({"--resume"}));
+  const std::string manifest = read_text(lot.out_file("manifest.jsonl"));
+  EXPECT_EQ(std::count(manifest.begin(), manifest.end(), '\n'), 13);
+  EXPECT_EQ(times()[0], before[0]);
+  for (const std::string name : {"b", "c", "d"}) {
+    const std::string from = "\"output\":\"" + lot.out_file(name + ".tcb") + "\",\"status\":\"done\"";
+    EXPECT_NE(manifest.find(from, manifest.find("half")), std::string::npos) << name;
+  }
+}
+
+TEST(CliBatch, UnwritableFoldersAndOutputsAreExit4) {
+  const Lot lot({"a.png", "b.png"});
+  write_text(lot.dir / "file", "");
+  for (const std::string& out : {std::string("/proc/out"), (lot.dir / "file").string()}) {
+    expect_failure(test::knotreel({"batch", lot.in, "-o", out}), 4);
+  }
+  fs::create_directories(lot.out_file("a.tcb"));
+  EXPECT_EQ(lot.run().exit_code, 4);
+  EXPECT_EQ(lot.last(2), (Status{{"a.tcb", "failed"}, {"b.tcb", "done"}}));
+  EXPECT_EQ(lot.run({"--manifest", lot.out}).exit_code, 4);
+}
+
+TEST(CliBatch, NothingToDoIsExit3AndWrongOptionsExit2) {
+  const Lot lot({"a.png"});
+  const TempDir empty;
+  expect_failure(test::knotreel({"batch", empty.path().string(), "-o", lot.out}), 3);
+  expect_failure(test::knotreel({"batch", (empty / "missing").string(), "-o", lot.out}), 3);
+  expect_failure(test::knotreel({"batch", lot.in_file("a.png"), "-o", lot.out}), 3);
+  expect_failure(lot.run({"--max-control-points", "x"}), 2);
+  EXPECT_FALSE(fs::exists(lot.out));
+}
+
+TEST(CliBatch, AnInterruptionLeavesWholeFilesOnly) {
+  const Lot lot({"a.png"});
+  fs::create_directories(lot.out);
+  image::write_image(lot.in_file("b.png"), test::sharp_picture(900, 700, 3));
+  image::write_image(lot.in_file("c.png"), test::sharp_picture(900, 700, 3));
+  const auto result = lot.run({"--jobs", "1"}, {.signal_once = lot.out_file("b.tcb"), .signal = SIGINT});
+  expect_failure(result, 130);
+  EXPECT_EQ(lot.last(1), (Status{{"a.tcb", "done"}}));
+  EXPECT_EQ(lot.lines().size(), 1u);
+  std::size_t files = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(lot.out)) ++files;
+  EXPECT_EQ(files, 2u) << "the document of a.png and the manifest";
+}
+
+}  // namespace
+}  // namespace knotreel
