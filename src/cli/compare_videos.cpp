@@ -11,9 +11,9 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/image/metrics.h"
-#include "knotreel/motion/measures.h"
 #include "knotreel/motion/flow.h"
 #include "knotreel/motion/luma.h"
+#include "knotreel/motion/measures.h"
 
 namespace knotreel::cli {
 namespace {

@@ -32,8 +32,8 @@ class CliVideo : public testing::Test {
 };
 
 TEST_F(CliVideo, TranscodeKeepsFramesAndTimes) {
-  const auto result = knotreel({"transcode", clip_, "-o", path("out.mkv"), "--codec", "ffv1", "--preset", "fast",
-                                "--document", document_});
+  const auto result = knotreel({"transcode", clip_, "-o", path("out.mkv"), "--codec", "ffv1", "--preset",
+                                "fast", "--document", document_});
   expect_success(result);
   EXPECT_NE(result.out.find("6 frames"), std::string::npos) << result.out;
   EXPECT_EQ(test::frame_times(path("out.mkv")), times_);
@@ -52,7 +52,8 @@ TEST_F(CliVideo, TranscodeScales) {
 TEST_F(CliVideo, TheDigestDoesNotDependOnTheNumberOfThreads) {
   std::string first;
   for (const std::string threads : {"1", "2", "3"}) {
-    const auto result = knotreel({"transcode", clip_, "-f", "hash", "--preset", "fast", "--threads", threads});
+    const auto result =
+        knotreel({"transcode", clip_, "-f", "hash", "--preset", "fast", "--threads", threads});
     expect_success(result);
     EXPECT_TRUE(result.out.starts_with("sha256:")) << result.out;
     if (first.empty()) first = result.out;
@@ -62,7 +63,8 @@ TEST_F(CliVideo, TheDigestDoesNotDependOnTheNumberOfThreads) {
 
 TEST_F(CliVideo, TranscodeEqualsVectorizeAndRender) {
   vectorize();
-  const auto at_once = knotreel({"transcode", clip_, "-f", "null", "--preset", "fast", "--document", path("t.tcb")});
+  const auto at_once =
+      knotreel({"transcode", clip_, "-f", "null", "--preset", "fast", "--document", path("t.tcb")});
   expect_success(at_once);
   EXPECT_TRUE(read_text(path("t.tcb")) == read_text(document_));
   expect_success(knotreel({"render", document_, "-o", path("out.mkv"), "--codec", "ffv1"}));
@@ -156,8 +158,7 @@ TEST_F(CliVideo, ADamagedVideoGivesWhatIsLeft) {
   const std::size_t frames = test::frame_times(path("o.mkv")).size();
   EXPECT_GE(frames, 1u);
   EXPECT_LE(frames, 20u);
-  const auto strict =
-      knotreel({"transcode", damaged, "-o", path("s.mkv"), "--preset", "fast", "--strict"});
+  const auto strict = knotreel({"transcode", damaged, "-o", path("s.mkv"), "--preset", "fast", "--strict"});
   EXPECT_EQ(strict.exit_code, 3) << strict.err;
   EXPECT_FALSE(std::filesystem::exists(path("s.mkv")));
 }
@@ -170,8 +171,9 @@ TEST_F(CliVideo, AFullDiskIsExit4) {
 TEST_F(CliVideo, AfterASignalTheOutputsAreWhole) {
   const std::string longer = path("longer.mkv");
   test::write_clip(longer, 400);
-  const auto result = knotreel({"transcode", longer, "-o", path("o.mkv"), "--preset", "fast", "--document", document_},
-                               {.signal_once = path("clip.tcb."), .signal = SIGINT});
+  const auto result =
+      knotreel({"transcode", longer, "-o", path("o.mkv"), "--preset", "fast", "--document", document_},
+               {.signal_once = path("clip.tcb."), .signal = SIGINT});
   EXPECT_EQ(result.exit_code, 130) << result.err;
   EXPECT_TRUE(result.err.starts_with("knotreel: interrupted")) << result.err;
   if (!std::filesystem::exists(document_)) return;  // the signal came before the first frame

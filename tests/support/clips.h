@@ -27,7 +27,8 @@ inline image::Image moving_picture(int width, int height, int channels, int fram
   return image;
 }
 
-/// Writes a small video, without loss unless told so; returns the times of its frames. Every third frame lasts twice as long.
+/// Writes a small video, without loss unless told so; returns the times of its frames. Every third frame
+/// lasts twice as long.
 inline std::vector<std::int64_t> write_clip(const std::string& path, int frames, int width = 64,
                                             int height = 48, const std::string& codec = "ffv1") {
   video::StreamInfo info;
