@@ -3,8 +3,11 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/compare_videos.h"
+#include "cli/frame_source.h"
 #include "cli/metrics_report.h"
 #include "cli/pictures.h"
+#include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 
 namespace knotreel::cli {
@@ -14,11 +17,13 @@ struct Arguments {
   std::string a;
   std::string b;
   std::uint64_t frame = 0;
+  bool one_frame = false;  ///< --frame was given
+  std::string stats;
   bool json = false;
   int threads = 0;
 };
 
-void compare(const Arguments& arguments) {
+void compare_pictures(const Arguments& arguments) {
   const ThreadCap cap(arguments.threads);
   const image::Image a = load_picture(arguments.a, arguments.frame);
   const image::Image b = load_picture(arguments.b, arguments.frame);
@@ -38,27 +43,48 @@ void compare(const Arguments& arguments) {
                        a.width, a.height, metrics.mec, metrics.rmse, psnr_text(metrics.psnr), metrics.ssim));
 }
 
+void compare(const Arguments& arguments) {
+  const bool videos = !arguments.one_frame && (has_frames(arguments.a) || has_frames(arguments.b));
+  if (videos) {
+    compare_videos({arguments.a, arguments.b, arguments.stats, arguments.json, arguments.threads});
+  } else {
+    if (!arguments.stats.empty()) throw Error(ErrorKind::kInvalidArgument, "--stats is for videos");
+    compare_pictures(arguments);
+  }
+}
+
 constexpr const char* kFooter = R"(
 Documents are drawn at their own size. Both must have the same size; grey is compared with
 colour as grey in all three channels. In JSON, a psnr of null means equal pictures.
+Videos, and documents with several frames, are compared frame by frame, A being the reference for what
+flickers in B.
 Examples:
   knotreel compare photo.png photo.tcb
-  knotreel compare before.png after.png --json)";
+  knotreel compare before.png after.png --json
+  knotreel compare clip.mp4 clip.tcb --stats frames.json)";
 
 }  // namespace
 
 void add_compare_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
-      "compare", "Measure how far two pictures (or documents) are apart: MEC, RMSE, PSNR, SSIM");
+      "compare", "Measure how far two pictures, videos or documents are apart: MEC, PSNR, SSIM");
   const auto arguments = std::make_shared<Arguments>();
-  command->add_option("A", arguments->a, "Picture or vector document")->type_name("")->required();
-  command->add_option("B", arguments->b, "Picture or vector document")->type_name("")->required();
-  command->add_option("--frame", arguments->frame, "Frame of the documents, counted from 0")
-      ->capture_default_str();
+  command->add_option("A", arguments->a, "Picture, video or document")->type_name("")->required();
+  command->add_option("B", arguments->b, "Picture, video or document")->type_name("")->required();
+  auto* frame =
+      command->add_option("--frame", arguments->frame, "Only this frame of documents, counted from 0")
+          ->capture_default_str();
+  command
+      ->add_option("--stats", arguments->stats,
+                   "Write the figures of every frame of videos as JSON; '-': standard output")
+      ->type_name("FILE");
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_threads_option(*command, arguments->threads);
   command->footer(kFooter);
-  command->callback([arguments] { compare(*arguments); });
+  command->callback([arguments, frame] {
+    arguments->one_frame = frame->count() > 0;
+    compare(*arguments);
+  });
 }
 
 }  // namespace knotreel::cli

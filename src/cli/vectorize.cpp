@@ -13,7 +13,7 @@
 #include "cli/progress_line.h"
 #include "cli/stats.h"
 #include "cli/vectorize_options.h"
-#include "cli/video_run.h"
+#include "cli/vectorize_video.h"
 #include "knotreel/base/output_file.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/writer.h"
@@ -169,21 +169,6 @@ void vectorize_picture(const Arguments& arguments) {
   }
 }
 
-void vectorize_video(const Arguments& arguments) {
-  VideoRun run = arguments.video;
-  run.input = arguments.input;
-  run.document = arguments.output;
-  run.options = arguments.options;
-  run.stats = arguments.stats;
-  run.threads = arguments.threads;
-  run.reading.no_copy_streams = true;  // there is no place for them in a document
-  const pipeline::Summary summary = run_video(run);
-  if (run.document != "-" && run.stats != "-" && run.progress != "-") {
-    write_text("-", summary_text(run.document.empty() ? run.split_folder : run.document, summary));
-  }
-  check_stopped(summary);
-}
-
 void vectorize(const Arguments& arguments) {
   const bool split = !arguments.video.split_folder.empty();
   if (arguments.output.empty() && !split) {
@@ -191,25 +176,16 @@ void vectorize(const Arguments& arguments) {
   }
   const bool picture = !arguments.debug_dir.empty();  // there are none of videos
   if (split || (!picture && is_video(arguments.input, arguments.video.reading))) {
-    vectorize_video(arguments);
+    VideoRun run = arguments.video;
+    run.input = arguments.input;
+    run.document = arguments.output;
+    run.options = arguments.options;
+    run.stats = arguments.stats;
+    run.threads = arguments.threads;
+    vectorize_video(std::move(run));
   } else {
     vectorize_picture(arguments);
   }
-}
-
-void add_video(CLI::App& command, VideoRun& run) {
-  command.option_defaults()->group("Videos");
-  command
-      .add_option("--split", run.split_folder,
-                  "Write a document per frame, frame_000001.tcb and so on, into this\n"
-                  "folder, made if missing; then --output may be left out")
-      ->type_name("DIR");
-  command
-      .add_option("--progress", run.progress, "Write lines key=value after every frame; '-': standard output")
-      ->type_name("FILE");
-  add_tracking_options(command, run.tracking);
-  add_video_input_options(command, run.reading);
-  command.option_defaults()->group("Options");
 }
 
 constexpr const char* kFooter = R"(
@@ -247,7 +223,7 @@ void add_vectorize_command(CLI::App& program) {
                    "Write PNG pictures of every stage into this folder, made if missing")
       ->type_name("DIR");
   add_threads_option(*command, arguments->threads);
-  add_video(*command, arguments->video);
+  add_vectorize_video_options(*command, arguments->video);
   command->footer(kFooter);
   command->callback([arguments] { vectorize(*arguments); });
 }

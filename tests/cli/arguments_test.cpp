@@ -10,14 +10,15 @@ using test::Sample;
 TEST(Cli, HelpIsAnAnswerAndTellsTheExitCodes) {
   const auto result = test::knotreel({"--help"});
   expect_success(result);
-  for (const char* text :
-       {"vectorize", "render", "export", "info", "dump", "compare", "Examples", "130 interrupted"}) {
+  for (const char* text : {"vectorize", "transcode", "render", "export", "info", "dump", "compare",
+                           "Examples", "130 interrupted"}) {
     EXPECT_NE(result.out.find(text), std::string::npos) << text;
   }
 }
 
 TEST(Cli, EveryCommandHasHelpWithAnExample) {
-  for (const std::string command : {"vectorize", "render", "export", "info", "dump", "compare"}) {
+  for (const std::string command :
+       {"vectorize", "transcode", "render", "export", "info", "dump", "compare"}) {
     const auto result = test::knotreel({command, "--help"});
     expect_success(result);
     EXPECT_NE(result.out.find("knotreel " + command), std::string::npos) << command;
@@ -60,6 +61,9 @@ TEST(Cli, WrongUsageIsExit2) {
       {"export", "x.tcb", "-o", "x.pdf", "--format", "eps"},
       {"export", "x.tcb", "-o", "x.pdf", "--max-triangles", "0"},
       {"vectorize", "x.png"},
+      {"transcode", "x.mp4"},
+      {"transcode", "x.mp4", "-o", "y.mp4", "--temporal-weight", "2"},
+      {"transcode", "x.mp4", "-o", "y.mp4", "--image-rate", "fast"},
   };
   for (const auto& arguments : cases) {
     SCOPED_TRACE(testing::PrintToString(arguments));

@@ -27,16 +27,17 @@ inline image::Image moving_picture(int width, int height, int channels, int fram
   return image;
 }
 
-/// Writes a small video without loss; returns the times of its frames. Every third frame lasts twice as long.
+/// Writes a small video, without loss unless told so; returns the times of its frames. Every third frame
+/// lasts twice as long.
 inline std::vector<std::int64_t> write_clip(const std::string& path, int frames, int width = 64,
-                                            int height = 48) {
+                                            int height = 48, const std::string& codec = "ffv1") {
   video::StreamInfo info;
   info.width = width;
   info.height = height;
   info.time_base = {1, 1000};
   info.frame_rate = {25, 1};
   video::WriteOptions options;
-  options.codec = "ffv1";
+  options.codec = codec;
   video::VideoWriter writer = video::VideoWriter::create(path, info, options);
   std::vector<std::int64_t> times;
   std::int64_t time = 0;

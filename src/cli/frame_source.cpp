@@ -1,0 +1,74 @@
+#include "cli/frame_source.h"
+
+#include <array>
+#include <filesystem>
+#include <utility>
+
+#include "cli/pictures.h"
+#include "cli/video_run.h"
+#include "knotreel/base/input_file.h"
+
+namespace knotreel::cli {
+namespace {
+
+class VideoFrames : public FrameSource {
+ public:
+  VideoFrames(const std::string& path, int threads)
+      : reader_(video::VideoReader::open(path, options(threads))) {}
+
+  bool next(image::Image& image) override {
+    video::Frame frame;
+    if (!reader_.next(frame)) return false;
+    image = std::move(frame.image);
+    return true;
+  }
+  std::vector<std::string> warnings() const override { return reader_.warnings(); }
+
+ private:
+  static video::ReadOptions options(int threads) {
+    video::ReadOptions options;
+    options.threads = threads;
+    options.copy_streams = false;
+    return options;
+  }
+
+  video::VideoReader reader_;
+};
+
+class DocumentFrames : public FrameSource {
+ public:
+  explicit DocumentFrames(const std::string& path) : reader_(document::Reader::open(path)) {}
+
+  bool next(image::Image& image) override {
+    if (next_ == reader_.frame_count()) return false;
+    image = render_whole(reader_.read(next_++), {});
+    return true;
+  }
+
+ private:
+  document::Reader reader_;
+  std::size_t next_ = 0;
+};
+
+/// Documents begin with "\x89TCB".
+bool is_document(const std::string& path) {
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(path, ignored)) return false;
+  const std::vector<std::byte> start = read_start(path, 4);
+  constexpr std::array kMagic{std::byte{0x89}, std::byte{'T'}, std::byte{'C'}, std::byte{'B'}};
+  return std::equal(start.begin(), start.end(), kMagic.begin(), kMagic.end());
+}
+
+}  // namespace
+
+bool has_frames(const std::string& path) {
+  if (is_document(path)) return document::Reader::open(path).frame_count() > 1;
+  return path != "-" && !path.ends_with(".tcb") && is_video(path, {});
+}
+
+std::unique_ptr<FrameSource> open_frames(const std::string& path, int threads) {
+  if (is_document(path)) return std::make_unique<DocumentFrames>(path);
+  return std::make_unique<VideoFrames>(path, threads);
+}
+
+}  // namespace knotreel::cli

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <memory>
+#include <string>
+
+#include "cli/video_options.h"
+#include "knotreel/image/image.h"
+
+namespace knotreel::cli {
+
+/// Frames of a video, or of a document, which are drawn at their own size. One thread at a time.
+class FrameSource {
+ public:
+  virtual ~FrameSource() = default;
+  /// False at the end.
+  virtual bool next(image::Image& image) = 0;
+  /// What was wrong without being an error, one line each.
+  virtual std::vector<std::string> warnings() const { return {}; }
+};
+
+/// Whether a file holds several frames: a video, or a document with more than one.
+bool has_frames(const std::string& path);
+
+/// @throws Error{kInput} if it is neither video nor document.
+std::unique_ptr<FrameSource> open_frames(const std::string& path, int threads);
+
+}  // namespace knotreel::cli

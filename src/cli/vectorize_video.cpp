@@ -1,0 +1,31 @@
+#include "cli/vectorize_video.h"
+
+#include "cli/command.h"
+
+namespace knotreel::cli {
+
+void add_vectorize_video_options(CLI::App& command, VideoRun& run) {
+  command.option_defaults()->group("Videos");
+  command
+      .add_option("--split", run.split_folder,
+                  "Write a document per frame, frame_000001.tcb and so on, into this\n"
+                  "folder, made if missing; then --output may be left out")
+      ->type_name("DIR");
+  command
+      .add_option("--progress", run.progress, "Write lines key=value after every frame; '-': standard output")
+      ->type_name("FILE");
+  add_tracking_options(command, run.tracking);
+  add_video_input_options(command, run.reading);
+  command.option_defaults()->group("Options");
+}
+
+void vectorize_video(VideoRun run) {
+  run.reading.no_copy_streams = true;  // there is no place for them in a document
+  const pipeline::Summary summary = run_video(run);
+  if (run.document != "-" && run.stats != "-" && run.progress != "-") {
+    write_text("-", summary_text(run.document.empty() ? run.split_folder : run.document, summary));
+  }
+  check_stopped(summary);
+}
+
+}  // namespace knotreel::cli

@@ -1,0 +1,186 @@
+#include <csignal>
+#include <filesystem>
+#include <fstream>
+
+#include "program.h"
+#include "support/clips.h"
+
+namespace knotreel {
+namespace {
+
+using nlohmann::json;
+using test::expect_failure;
+using test::expect_success;
+using test::knotreel;
+using test::read_text;
+
+constexpr int kFrames = 6;
+
+/// A folder with a small video.
+class CliVideo : public testing::Test {
+ protected:
+  CliVideo() : times_(test::write_clip(clip_, kFrames)) {}
+
+  std::string path(const std::string& name) const { return (dir_ / name).string(); }
+
+  void vectorize() { expect_success(knotreel({"vectorize", clip_, "-o", document_, "--preset", "fast"})); }
+
+  test::TempDir dir_;
+  std::string clip_ = (dir_ / "clip.mkv").string();
+  std::string document_ = (dir_ / "clip.tcb").string();
+  std::vector<std::int64_t> times_;
+};
+
+TEST_F(CliVideo, TranscodeKeepsFramesAndTimes) {
+  const auto result = knotreel({"transcode", clip_, "-o", path("out.mkv"), "--codec", "ffv1", "--preset",
+                                "fast", "--document", document_});
+  expect_success(result);
+  EXPECT_NE(result.out.find("6 frames"), std::string::npos) << result.out;
+  EXPECT_EQ(test::frame_times(path("out.mkv")), times_);
+  const json info = json::parse(knotreel({"info", document_, "--json"}).out);
+  ASSERT_EQ(info["frames"].size(), times_.size());
+  for (std::size_t i = 0; i < times_.size(); ++i) EXPECT_EQ(info["frames"][i]["pts"], times_[i]);
+}
+
+TEST_F(CliVideo, TranscodeScales) {
+  expect_success(knotreel({"transcode", clip_, "-o", path("o.mkv"), "--preset", "fast", "--scale", "1.5"}));
+  const video::VideoReader reader = video::VideoReader::open(path("o.mkv"));
+  EXPECT_EQ(reader.info().width, 96);
+  EXPECT_EQ(reader.info().height, 72);
+}
+
+TEST_F(CliVideo, TheDigestDoesNotDependOnTheNumberOfThreads) {
+  std::string first;
+  for (const std::string threads : {"1", "2", "3"}) {
+    const auto result =
+        knotreel({"transcode", clip_, "-f", "hash", "--preset", "fast", "--threads", threads});
+    expect_success(result);
+    EXPECT_TRUE(result.out.starts_with("sha256:")) << result.out;
+    if (first.empty()) first = result.out;
+    EXPECT_EQ(result.out, first) << threads;
+  }
+}
+
+TEST_F(CliVideo, TranscodeEqualsVectorizeAndRender) {
+  vectorize();
+  const auto at_once =
+      knotreel({"transcode", clip_, "-f", "null", "--preset", "fast", "--document", path("t.tcb")});
+  expect_success(at_once);
+  EXPECT_TRUE(read_text(path("t.tcb")) == read_text(document_));
+  expect_success(knotreel({"render", document_, "-o", path("out.mkv"), "--codec", "ffv1"}));
+  EXPECT_EQ(test::frame_times(path("out.mkv")), times_);
+}
+
+TEST_F(CliVideo, RenderMakesPicturesOfARange) {
+  vectorize();
+  expect_success(knotreel({"render", document_, "-o", path("f_%02d.png"), "--frames", "2-4"}));
+  expect_success(knotreel({"render", document_, "-o", path("third.png"), "--frame", "3"}));
+  EXPECT_FALSE(std::filesystem::exists(path("f_04.png")));
+  EXPECT_TRUE(read_text(path("f_02.png")) == read_text(path("third.png")));
+  expect_failure(knotreel({"render", document_, "-o", path("x.mkv"), "--frames", "4-6"}), 2);
+}
+
+TEST_F(CliVideo, AFolderOfPicturesIsAVideo) {
+  std::filesystem::create_directory(path("in"));
+  for (int i = 0; i < 3; ++i) {
+    image::write_image(path("in/p" + std::to_string(i) + ".png"), test::moving_picture(48, 32, 3, i));
+  }
+  for (const std::string& input : {path("in"), path("in/p%d.png"), path("in/*.png")}) {
+    expect_success(knotreel({"vectorize", input, "-o", document_, "--preset", "fast"}));
+    EXPECT_EQ(json::parse(knotreel({"info", document_, "--json"}).out)["frames"].size(), 3u) << input;
+  }
+}
+
+TEST_F(CliVideo, SplitWritesADocumentPerFrame) {
+  expect_success(knotreel({"vectorize", clip_, "--split", path("split"), "--preset", "fast"}));
+  for (int i = 1; i <= kFrames; ++i) {
+    const std::string name = path("split/frame_00000" + std::to_string(i) + ".tcb");
+    expect_success(knotreel({"render", name, "-o", path("one.png")}));
+  }
+}
+
+TEST_F(CliVideo, StatsAndProgressTellOfEveryFrame) {
+  expect_success(knotreel({"transcode", clip_, "-f", "null", "--preset", "fast", "--stats", path("s.json"),
+                           "--progress", path("p.txt")}));
+  const json stats = json::parse(read_text(path("s.json")));
+  EXPECT_EQ(stats["frame_count"], kFrames);
+  EXPECT_EQ(stats["width"], 64);
+  ASSERT_EQ(stats["frames"].size(), std::size_t{kFrames});
+  for (std::size_t i = 0; i < times_.size(); ++i) {
+    const json& row = stats["frames"][i];
+    EXPECT_EQ(row["pts"], times_[i]);
+    EXPECT_GT(row["psnr"].get<double>(), 20);
+    for (const char* stage : {"decode", "analyse", "model", "documents", "rasterize", "encode"}) {
+      EXPECT_TRUE(row["milliseconds"].contains(stage)) << stage;
+    }
+  }
+  const std::string progress = read_text(path("p.txt"));
+  EXPECT_NE(progress.find("frame=3\n"), std::string::npos);
+  EXPECT_NE(progress.find("out_time_us=80000\n"), std::string::npos);
+  EXPECT_TRUE(progress.ends_with("progress=end\n"));
+}
+
+TEST_F(CliVideo, CompareTellsOfEveryFrameAndOfFlicker) {
+  const auto equal = knotreel({"compare", clip_, clip_, "--json"});
+  expect_success(equal);
+  const json same = json::parse(equal.out);
+  EXPECT_EQ(same["frames"], kFrames);
+  EXPECT_TRUE(same["psnr"].is_null());
+  EXPECT_EQ(same["flicker"], 0);
+  vectorize();
+  const auto result = knotreel({"compare", clip_, document_, "--json", "--stats", path("s.json")});
+  expect_success(result);
+  EXPECT_GT(json::parse(result.out)["psnr"], 20);
+  const json stats = json::parse(read_text(path("s.json")));
+  ASSERT_EQ(stats["rows"].size(), std::size_t{kFrames});
+  EXPECT_TRUE(stats["rows"][0]["flicker"].is_null());
+  EXPECT_GT(stats["rows"][1]["flicker"], 0);
+}
+
+TEST_F(CliVideo, WhatIsNoVideoIsExit3) {
+  std::ofstream(path("no.mp4")) << "this is no video at all, whatever its name says";
+  expect_failure(knotreel({"transcode", path("no.mp4"), "-o", path("o.mkv")}), 3);
+  expect_failure(knotreel({"vectorize", path("no.mp4"), "-o", document_}), 3);
+  expect_failure(knotreel({"transcode", path("missing.mp4"), "-o", path("o.mkv")}), 3);
+  EXPECT_FALSE(std::filesystem::exists(path("o.mkv")));
+}
+
+TEST_F(CliVideo, ADamagedVideoGivesWhatIsLeft) {
+  const std::string damaged = path("damaged.mp4");
+  test::write_clip(damaged, 20, 64, 48, "h264");
+  std::string bytes = read_text(damaged);
+  const std::size_t end = bytes.find("moov");
+  std::fill(bytes.begin() + long(end * 7 / 10), bytes.begin() + long(end * 8 / 10), '\xff');
+  std::ofstream(damaged, std::ios::binary) << bytes;
+  const auto result = knotreel({"transcode", damaged, "-o", path("o.mkv"), "--preset", "fast"});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("knotreel: warning: "), std::string::npos) << result.err;
+  const std::size_t frames = test::frame_times(path("o.mkv")).size();
+  EXPECT_GE(frames, 1u);
+  EXPECT_LE(frames, 20u);
+  const auto strict = knotreel({"transcode", damaged, "-o", path("s.mkv"), "--preset", "fast", "--strict"});
+  EXPECT_EQ(strict.exit_code, 3) << strict.err;
+  EXPECT_FALSE(std::filesystem::exists(path("s.mkv")));
+}
+
+TEST_F(CliVideo, AFullDiskIsExit4) {
+  expect_failure(knotreel({"transcode", clip_, "-o", "/dev/full", "-f", "matroska", "--preset", "fast"}), 4);
+  expect_failure(knotreel({"vectorize", clip_, "-o", "/dev/full", "--preset", "fast"}), 4);
+}
+
+TEST_F(CliVideo, AfterASignalTheOutputsAreWhole) {
+  const std::string longer = path("longer.mkv");
+  test::write_clip(longer, 400);
+  const auto result =
+      knotreel({"transcode", longer, "-o", path("o.mkv"), "--preset", "fast", "--document", document_},
+               {.signal_once = path("clip.tcb."), .signal = SIGINT});
+  EXPECT_EQ(result.exit_code, 130) << result.err;
+  EXPECT_TRUE(result.err.starts_with("knotreel: interrupted")) << result.err;
+  if (!std::filesystem::exists(document_)) return;  // the signal came before the first frame
+  const json info = json::parse(knotreel({"info", document_, "--json"}).out);
+  EXPECT_TRUE(info["complete"]);
+  EXPECT_EQ(test::frame_times(path("o.mkv")).size(), info["frames"].size());
+}
+
+}  // namespace
+}  // namespace knotreel
