@@ -5,6 +5,7 @@
 #include <thread>
 
 #include "clips.h"
+#include "knotreel/base/natural_order.h"
 #include "knotreel/image/write_image.h"
 #include "support/pictures.h"
 #include "support/temp_dir.h"
