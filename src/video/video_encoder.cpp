@@ -1,6 +1,7 @@
 #include "video_encoder.h"
 
 #include <algorithm>
+#include <string_view>
 
 #include "colour_rules.h"
 #include "encoder_choice.h"
@@ -9,6 +10,15 @@
 
 namespace knotreel::video {
 namespace {
+
+/// Whether any time will do. libav does not say so of the family of QuickTime, whose files tell of every
+/// frame how long it lasts.
+bool takes_any_time(const AVOutputFormat& container) {
+  constexpr int kFree = AVFMT_VARIABLE_FPS | AVFMT_NOTIMESTAMPS;
+  if ((container.flags & kFree) != 0) return true;
+  const std::string_view name = container.name;
+  return name == "mp4" || name == "mov" || name == "ipod" || name == "3gp" || name == "3g2";
+}
 
 /// MPEG-4 part 2 writes the time base in 16 bits.
 constexpr int kMpeg4Ticks = 65535;
@@ -55,10 +65,8 @@ void VideoEncoder::set_times(const AVOutputFormat& container) {
   const AVRational rate = info_.frame_rate.known() ? to_av(info_.frame_rate) : AVRational{25, 1};
   encoder_->framerate = rate;
   encoder_->time_base = to_av(info_.time_base);
-  constexpr int kFree = AVFMT_VARIABLE_FPS | AVFMT_NOTIMESTAMPS;
-  const bool fixed = (container.flags & kFree) == 0;
   const bool coarse = encoder_->codec_id == AV_CODEC_ID_MPEG4 && encoder_->time_base.den > kMpeg4Ticks;
-  if (fixed || coarse) encoder_->time_base = av_inv_q(rate);
+  if (!takes_any_time(container) || coarse) encoder_->time_base = av_inv_q(rate);
 }
 
 void VideoEncoder::open(const WriteOptions& options) {

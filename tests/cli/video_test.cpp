@@ -42,6 +42,12 @@ TEST_F(CliVideo, TranscodeKeepsFramesAndTimes) {
   for (std::size_t i = 0; i < times_.size(); ++i) EXPECT_EQ(info["frames"][i]["pts"], times_[i]);
 }
 
+TEST_F(CliVideo, Mp4KeepsVariableTimes) {
+  const auto result = knotreel({"transcode", clip_, "-o", path("out.mp4"), "--preset", "fast"});
+  expect_success(result);
+  EXPECT_EQ(test::frame_times(path("out.mp4")), times_);
+}
+
 TEST_F(CliVideo, TranscodeScales) {
   expect_success(knotreel({"transcode", clip_, "-o", path("o.mkv"), "--preset", "fast", "--scale", "1.5"}));
   const video::VideoReader reader = video::VideoReader::open(path("o.mkv"));
