@@ -60,8 +60,9 @@ void tell(const RenderVideo& arguments, const pipeline::Summary& summary) {
   for (const std::string& line : summary.warnings) warn(line);
   if (arguments.format == "hash") {
     write_text("-", summary.digest + "\n");
-  } else if (arguments.output != "-" && arguments.progress != "-") {
-    write_text("-", summary_text(arguments.output, summary));
+  } else if ((arguments.output != "-" || arguments.format == "null") && arguments.progress != "-") {
+    const bool nowhere = arguments.format == "null";
+    write_text("-", summary_text(nowhere ? arguments.format : arguments.output, summary));
   }
 }
 

@@ -170,6 +170,7 @@ class Tracker::Impl {
     settling_.clear();
     lap("measure");
     last_psnr_ = report_->psnr;
+    last_mec_ = report_->mec;
     prepare_next(picture, false);
   }
 
@@ -206,7 +207,7 @@ class Tracker::Impl {
         temporal_target(picture, colours_.residual, placed_.weights, motion, options_.temporal_weight);
     lap("target");
     const KnotMesh before = space_->mesh();
-    frame_before_ = {space_, colours_.control};
+    frame_before_ = {space_, colours_.control, last_mec_};
     take_over(std::move(carried));
     bend_curves(*motion.now);
     fit(picture, wanted);
@@ -223,6 +224,7 @@ class Tracker::Impl {
     ++group_length_;
     if (report_->mec > cold_.mec && report_->psnr < group_psnr_ - options_.drift) return false;
     last_psnr_ = report_->psnr;
+    last_mec_ = report_->mec;
     prepare_next(picture, false);
     return true;
   }
@@ -263,7 +265,8 @@ class Tracker::Impl {
   /// Control points whose colour hardly changes keep that of the frame before: less to store, less to
   /// flicker.
   void hold_colours() {
-    if (options_.colour_hold <= 0 || !frame_before_.space) return;
+    const double hold = std::min(options_.colour_hold, options_.hold_share * frame_before_.mec);
+    if (hold <= 0 || !frame_before_.space) return;
     const std::vector<std::uint32_t> match = match_functions(*frame_before_.space, *space_);
     const std::size_t channels = colours_.control.size() / match.size();
     for (std::size_t f = 0; f < match.size(); ++f) {
@@ -271,7 +274,7 @@ class Tracker::Impl {
       for (std::size_t c = 0; c < channels; ++c) {
         const double old = frame_before_.control[match[f] * channels + c];
         double& now = colours_.control[f * channels + c];
-        if (std::abs(now - old) < options_.colour_hold) now = old;
+        if (std::abs(now - old) < hold) now = old;
       }
     }
   }
@@ -359,6 +362,7 @@ class Tracker::Impl {
   struct {
     std::shared_ptr<const spline::SplineSpace> space;
     std::vector<double> control;
+    double mec = 0;
   } frame_before_;
   Settling settling_;
   std::unique_ptr<knots::Target> target_;
@@ -367,6 +371,7 @@ class Tracker::Impl {
   int group_length_ = 0;
   double group_psnr_ = 0;
   double last_psnr_ = 0;
+  double last_mec_ = 0;
   std::size_t group_functions_ = 0;
 };
 

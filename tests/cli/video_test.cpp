@@ -42,6 +42,12 @@ TEST_F(CliVideo, TranscodeKeepsFramesAndTimes) {
   for (std::size_t i = 0; i < times_.size(); ++i) EXPECT_EQ(info["frames"][i]["pts"], times_[i]);
 }
 
+TEST_F(CliVideo, Mp4KeepsVariableTimes) {
+  const auto result = knotreel({"transcode", clip_, "-o", path("out.mp4"), "--preset", "fast"});
+  expect_success(result);
+  EXPECT_EQ(test::frame_times(path("out.mp4")), times_);
+}
+
 TEST_F(CliVideo, TranscodeScales) {
   expect_success(knotreel({"transcode", clip_, "-o", path("o.mkv"), "--preset", "fast", "--scale", "1.5"}));
   const video::VideoReader reader = video::VideoReader::open(path("o.mkv"));
@@ -118,6 +124,30 @@ TEST_F(CliVideo, StatsAndProgressTellOfEveryFrame) {
   EXPECT_NE(progress.find("frame=3\n"), std::string::npos);
   EXPECT_NE(progress.find("out_time_us=80000\n"), std::string::npos);
   EXPECT_TRUE(progress.ends_with("progress=end\n"));
+}
+
+TEST_F(CliVideo, TrackingOptionsSayWhichFramesAreMadeAnew) {
+  const auto keyframes = [&](const std::vector<std::string>& options) {
+    std::vector<std::string> arguments{"vectorize", clip_, "-o", document_, "--preset", "fast"};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    expect_success(knotreel(arguments));
+    const json info = json::parse(knotreel({"info", document_, "--json"}).out);
+    std::vector<int> which;
+    for (const json& frame : info["frames"]) {
+      if (frame["keyframe"]) which.push_back(frame["frame"]);
+    }
+    return which;
+  };
+  EXPECT_EQ(keyframes({"--no-warm-start"}), (std::vector{0, 1, 2, 3, 4, 5}));
+  const std::vector<int> pairs = keyframes({"--keyframe-interval", "2"});
+  EXPECT_GE(pairs.size(), 3u);
+}
+
+TEST_F(CliVideo, FormatNullOnlyTells) {
+  vectorize();
+  const auto result = knotreel({"render", document_, "-o", "-", "-f", "null"});
+  expect_success(result);
+  EXPECT_TRUE(result.out.starts_with("null: 6 frames")) << result.out;
 }
 
 TEST_F(CliVideo, CompareTellsOfEveryFrameAndOfFlicker) {

@@ -27,8 +27,8 @@ inline image::Image moving_picture(int width, int height, int channels, int fram
   return image;
 }
 
-/// Writes a small video, without loss unless told so; returns the times of its frames. Every third frame
-/// lasts twice as long.
+/// Writes a small video, without loss unless told so; returns the times of its frames in milliseconds.
+/// Every third frame lasts twice as long.
 inline std::vector<std::int64_t> write_clip(const std::string& path, int frames, int width = 64,
                                             int height = 48, const std::string& codec = "ffv1") {
   video::StreamInfo info;
@@ -51,12 +51,13 @@ inline std::vector<std::int64_t> write_clip(const std::string& path, int frames,
   return times;
 }
 
-/// Times of all frames of a video.
+/// Times of all frames of a video, in milliseconds.
 inline std::vector<std::int64_t> frame_times(const std::string& path) {
   video::VideoReader reader = video::VideoReader::open(path);
   std::vector<std::int64_t> times;
   video::Frame frame;
-  while (reader.next(frame)) times.push_back(frame.pts);
+  const double tick = reader.info().time_base.value() * 1000;
+  while (reader.next(frame)) times.push_back(std::llround(double(frame.pts) * tick));
   return times;
 }
 
