@@ -51,6 +51,10 @@ void add_outputs(CLI::App& command, Arguments& arguments) {
   command.add_flag("--no-copy-streams", run.reading.no_copy_streams, "Leave sound and subtitles away");
   command.add_option("--document", run.document, "Keep the vector documents too (.tcb)")->type_name("FILE");
   command
+      .add_option("--side-by-side", run.side_by_side,
+                  "A second video to look at: the input, the result enlarged, the knot mesh")
+      ->type_name("FILE");
+  command
       .add_option("--progress", run.progress, "Write lines key=value after every frame; '-': standard output")
       ->type_name("FILE");
   command

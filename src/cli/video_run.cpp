@@ -10,6 +10,7 @@
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
 #include "cli/output_size.h"
+#include "cli/side_by_side.h"
 #include "cli/video_report.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
@@ -66,6 +67,10 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
   const Size size = output_size(run.scale, run.size, info.width, info.height);
   job.video.width = size.width;
   job.video.height = size.height;
+  if (!run.side_by_side.empty()) {
+    job.beside = run.side_by_side;
+    job.compose = side_by_side;
+  }
   job.stop = [] { return interrupted(); };
   return job;
 }

@@ -17,8 +17,9 @@ struct VideoRun {
   std::string document;      ///< empty: none
   std::string split_folder;  ///< empty: none
   pipeline::VideoOutput video;
-  double scale = 1;  ///< of the video
-  std::string size;  ///< of the video; wins over scale unless empty
+  double scale = 1;          ///< of the video
+  std::string size;          ///< of the video; wins over scale unless empty
+  std::string side_by_side;  ///< video of input, result and knot mesh; empty: none
   std::string stats;
   std::string progress;
   int threads = 0;

@@ -17,6 +17,7 @@ struct Message {
   std::unique_ptr<track::Motion> motion;
   document::FrameModel model;  ///< from the stage "documents" on: as stored
   image::Image rendering;      ///< of the size of the output
+  image::Image beside;         ///< what Job::compose made
   FrameRow row;
 };
 

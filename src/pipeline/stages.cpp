@@ -45,6 +45,7 @@ Stages::Stages(const Job& job)
     : job_(job),
       info_(sequence_info(job.reader->info(), job.source, job.cold.degree)),
       output_(job.video, job.reader->info(), job.reader, job.on_frame),
+      beside_(job),
       document_(job.document, info_),
       tracker_(job.cold, job.tracking) {
   make_folder(job.split_folder);
@@ -111,13 +112,17 @@ void Stages::write_single(const Message& message) {
 void Stages::rasterize(Message& message) {
   timed(failure_, "rasterize", message, [&] {
     output_.draw(message);
+    beside_.compose(message);
     message.model = {};
     message.picture.reset();
   });
 }
 
 void Stages::encode(Message& message) {
-  timed(failure_, "encode", message, [&] { output_.write(message); });
+  timed(failure_, "encode", message, [&] {
+    output_.write(message);
+    beside_.write(message);
+  });
   timed(failure_, "report", message, [&] { output_.sum_up(message.row); });
 }
 
@@ -129,6 +134,7 @@ Summary Stages::finish() {
   }
   output_.write_packets(job_.reader->remaining_packets());
   document_.finish();
+  beside_.finish();
   Summary summary = output_.finish();
   summary.document_bytes = document_.bytes();
   summary.stopped = stopped_;

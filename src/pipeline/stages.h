@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "pipeline/beside_output.h"
 #include "pipeline/document_sink.h"
 #include "pipeline/failure.h"
 #include "pipeline/message.h"
@@ -34,6 +35,7 @@ class Stages {
   const Job& job_;
   document::SequenceInfo info_;
   PictureOutput output_;
+  BesideOutput beside_;
   DocumentSink document_;
   track::Tracker tracker_;
   FirstFailure failure_;

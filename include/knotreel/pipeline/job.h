@@ -65,6 +65,10 @@ struct VideoOutput {
 using Stop = std::function<bool()>;                          ///< from any thread, one at a time
 using FrameObserver = std::function<void(const FrameRow&)>;  ///< in order, from any thread, one at a time
 
+/// A picture to show beside the result, from a frame of the source and its stored model; called for several
+/// frames at once. All have the same size, which is even, and three channels.
+using Compose = std::function<image::Image(const image::Image& picture, const document::FrameModel& model)>;
+
 /// A video that becomes a document, another video, or both.
 struct Job {
   video::VideoReader* reader = nullptr;  ///< at its start; outlives the run
@@ -75,6 +79,8 @@ struct Job {
   std::string document;      ///< file to write, `-` for standard output; empty: the document is not kept
   std::string split_folder;  ///< one document per frame goes there; empty: none
   VideoOutput video;
+  Compose compose;           ///< what `beside` shows; null: nothing
+  std::string beside;        ///< video of what compose() made
   int frames_in_flight = 0;  ///< bounds the memory; 0: twice the number of threads, and two
   Stop stop;                 ///< true: no more frames; those begun and all files are finished
   FrameObserver on_frame;

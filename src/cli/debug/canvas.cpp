@@ -135,8 +135,12 @@ int debug_scale(int width, int height) {
 }
 
 Canvas enlarged(const image::Image& picture, double dim, double saturation) {
+  return enlarged_by(debug_scale(picture.width, picture.height), picture, dim, saturation);
+}
+
+Canvas enlarged_by(int scale, const image::Image& picture, double dim, double saturation) {
   constexpr Colour kWhite{255, 255, 255};
-  Canvas canvas(picture.width, picture.height, debug_scale(picture.width, picture.height), kWhite);
+  Canvas canvas(picture.width, picture.height, scale, kWhite);
   const bool colours = picture.colour_channels() == 3;
   for (int y = 0; y < picture.height; ++y) {
     for (int x = 0; x < picture.width; ++x) {

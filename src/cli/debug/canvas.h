@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <span>
 #include <string_view>
 #include <vector>
 
@@ -33,6 +34,8 @@ class Canvas {
   int width() const { return width_; }
   int height() const { return height_; }
   int scale() const { return scale_; }
+  /// Row-major, three bytes per pixel of the canvas.
+  std::span<const std::uint8_t> rgb() const { return rgb_; }
 
   /// Fills the square of one pixel of the plane.
   void pixel(int x, int y, Colour colour);
@@ -63,5 +66,7 @@ int debug_scale(int width, int height);
 /// @param dim share of white mixed in, 0..1.
 /// @param saturation 1: all colours stay, 0: grey.
 Canvas enlarged(const image::Image& picture, double dim = 0, double saturation = 1);
+/// The same at a scale of choice.
+Canvas enlarged_by(int scale, const image::Image& picture, double dim = 0, double saturation = 1);
 
 }  // namespace knotreel::cli::debug

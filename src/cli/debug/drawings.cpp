@@ -121,6 +121,11 @@ Colour control_colour(const document::FrameModel& model, std::size_t function) {
   return {at(0), at(1), at(2)};
 }
 
+/// What meshes are drawn on.
+Canvas faded(const image::Image& picture, int scale) {
+  return enlarged_by(scale > 0 ? scale : debug_scale(picture.width, picture.height), picture, 0.6, 0.8);
+}
+
 }  // namespace
 
 Canvas draw_chains(const image::Image& picture, const features::FeatureChains& chains,
@@ -167,8 +172,8 @@ Canvas draw_parametrization(const image::Image& picture, const param::Parametriz
   return canvas;
 }
 
-Canvas draw_mesh(const image::Image& picture, const mesh::KnotMesh& mesh) {
-  Canvas canvas = enlarged(picture, 0.6, 0.8);
+Canvas draw_mesh(const image::Image& picture, const mesh::KnotMesh& mesh, int scale) {
+  Canvas canvas = faded(picture, scale);
   const std::vector<Vec2> places = positions(mesh);
   draw_knots_and_edges(canvas, mesh, places, [&](const Edge& e, double width, Colour colour) {
     canvas.line(places[e.first], places[e.second], width, colour);
@@ -176,12 +181,12 @@ Canvas draw_mesh(const image::Image& picture, const mesh::KnotMesh& mesh) {
   return canvas;
 }
 
-Canvas draw_mapped_mesh(const image::Image& picture, const document::FrameModel& model) {
+Canvas draw_mapped_mesh(const image::Image& picture, const document::FrameModel& model, int scale) {
   const mesh::KnotMesh& mesh = model.space->mesh();
   const bool moved =
       std::any_of(model.displacement.begin(), model.displacement.end(), [](Vec2 d) { return d != Vec2{}; });
-  if (!moved) return draw_mesh(picture, mesh);
-  Canvas canvas = enlarged(picture, 0.6, 0.8);
+  if (!moved) return draw_mesh(picture, mesh, scale);
+  Canvas canvas = faded(picture, scale);
   const Geometry geometry(model);
   std::vector<Vec2> places = positions(mesh);
   geometry.move(places);

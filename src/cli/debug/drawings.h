@@ -19,10 +19,11 @@ Canvas draw_chains(const image::Image& picture, const features::FeatureChains& c
 Canvas draw_parametrization(const image::Image& picture, const param::Parametrization& parametrization);
 
 /// A knot mesh in the parametric domain; features red, multiple knots as white dots, others as small ones.
-Canvas draw_mesh(const image::Image& picture, const mesh::KnotMesh& mesh);
+/// @param scale canvas pixels per pixel; 0: debug_scale().
+Canvas draw_mesh(const image::Image& picture, const mesh::KnotMesh& mesh, int scale = 0);
 
 /// The knot mesh of a model where its geometry part puts it, so that features lie on the edges they follow.
-Canvas draw_mapped_mesh(const image::Image& picture, const document::FrameModel& model);
+Canvas draw_mapped_mesh(const image::Image& picture, const document::FrameModel& model, int scale = 0);
 
 /// Control points where their displaced Greville sites are, filled with their colours, and joined as the
 /// t-configs of the surface join them (over a mesh of degree 1, that is along its edges).

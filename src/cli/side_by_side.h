@@ -1,0 +1,11 @@
+#pragma once
+
+#include "knotreel/pipeline/job.h"
+
+namespace knotreel::cli {
+
+/// A picture of a frame, its model drawn larger, and the knot mesh over the frame, from left to right; each
+/// enlarged as long as all three fit into an ordinary screen.
+image::Image side_by_side(const image::Image& picture, const document::FrameModel& model);
+
+}  // namespace knotreel::cli

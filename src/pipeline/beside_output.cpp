@@ -1,0 +1,28 @@
+#include "pipeline/beside_output.h"
+
+namespace knotreel::pipeline {
+
+void BesideOutput::compose(Message& message) const {
+  if (job_.compose) message.beside = job_.compose(*message.picture, message.model);
+}
+
+void BesideOutput::write(Message& message) {
+  if (!job_.compose) return;
+  if (!writer_) {
+    video::StreamInfo info = job_.reader->info();
+    info.width = message.beside.width;
+    info.height = message.beside.height;
+    info.channels = message.beside.channels;
+    info.depth = 8;
+    info.pixel_format = "yuv420p";
+    writer_.emplace(video::VideoWriter::create(job_.beside, info));
+  }
+  writer_->write(message.beside, message.frame.pts, message.frame.duration);
+  message.beside = {};
+}
+
+void BesideOutput::finish() {
+  if (writer_) writer_->finish();
+}
+
+}  // namespace knotreel::pipeline

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+
+#include "knotreel/pipeline/job.h"
+#include "pipeline/message.h"
+
+namespace knotreel::pipeline {
+
+/// The video of what Job::compose makes of each frame.
+class BesideOutput {
+ public:
+  explicit BesideOutput(const Job& job) : job_(job) {}
+
+  /// Makes the picture; several messages at once.
+  void compose(Message& message) const;
+  /// Writes it; in order, one at a time. The first one says how large the video is. @throws as VideoWriter.
+  void write(Message& message);
+  void finish();
+
+ private:
+  const Job& job_;
+  std::optional<video::VideoWriter> writer_;
+};
+
+}  // namespace knotreel::pipeline
