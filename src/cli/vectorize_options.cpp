@@ -179,6 +179,7 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
           {"meg", o.meg},
           {"rounds", o.rounds},
           {"max_control_points", o.max_control_points},
+          {"feature_share", o.feature_share},
           {"descent_steps", o.descent_steps},
           {"seed", o.seed},
           {"features", o.features},

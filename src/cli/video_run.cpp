@@ -34,7 +34,7 @@ vectorize::Options cold_options(const VideoRun& run, std::uint64_t pixels) {
     const auto share = static_cast<std::size_t>(kShareOfPixels * static_cast<double>(pixels));
     given.max_control_points = std::to_string(std::max(kLeastControlPoints, share));
   }
-  return effective_options(given, pixels);
+  return vectorize::video_options(effective_options(given, pixels));
 }
 
 nlohmann::ordered_json head_json(const VideoRun& run, const pipeline::Job& job) {

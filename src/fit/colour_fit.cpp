@@ -84,7 +84,7 @@ ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const Col
   fit.control.resize(static_cast<std::size_t>(control.size()));
   Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
       fit.control.data(), control.rows(), control.cols()) = control;
-  find_residual(values, pixels, fit);
+  if (options.find_residual) find_residual(values, pixels, fit);
   return fit;
 }
 

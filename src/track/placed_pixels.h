@@ -10,7 +10,7 @@ namespace knotreel::track {
 /// A picture with the places of its pixels under a geometry.
 struct PlacedPixels {
   image::Image picture;        ///< pixels that features cross have the colours of their side
-  std::vector<float> weights;  ///< empty: all 1
+  std::vector<float> weights;  ///< empty: all 1; those that features cross have little
   std::vector<Vec2> places;    ///< empty: the centres
 
   fit::Pixels view() const { return {.image = &picture, .weights = weights, .places = places}; }
@@ -18,9 +18,5 @@ struct PlacedPixels {
 
 PlacedPixels place_pixels(const spline::Basis& basis, std::span<const Vec2> displacement,
                           const image::Image& picture);
-
-/// Places of the pixels but for a few hundredths of a pixel.
-std::vector<Vec2> rough_places(const spline::Basis& basis, std::span<const Vec2> displacement, int width,
-                               int height);
 
 }  // namespace knotreel::track

@@ -3,6 +3,9 @@
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "knotreel/fit/geometry_fit.h"
 
 namespace knotreel::track {
 
@@ -63,14 +66,10 @@ std::vector<Sample> place_samples(const spline::Basis& basis, std::span<const Ve
       samples.push_back(sample);
     }
   }
-  const spline::ScatteredValues values = basis.evaluate(points);
+  points = fit::image_points(basis, displacement, std::move(points));
   for (std::size_t i = 0; i < samples.size(); ++i) {
     Sample& s = samples[i];
     s.before = points[i];
-    for (std::size_t j = values.begin[i]; j < values.begin[i + 1]; ++j) {
-      const spline::BasisValue& v = values.values[j];
-      s.before = s.before + v.value * displacement[basis.space().geometry_of()[v.function]];
-    }
     s.position = s.before + (1 - s.t) * motion[s.a] + s.t * motion[s.b];
   }
   for (std::size_t i = 0; i < samples.size(); ++i) {

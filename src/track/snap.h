@@ -11,7 +11,7 @@
 namespace knotreel::track {
 
 struct SnapOptions {
-  double least_found = 0.4;  ///< share of the samples of a segment that must find their edge again
+  double least_found = 0.9;  ///< share of the samples of a segment that must find their edge again
   double reach = 2.5;        ///< how far from the carried curve an edge is looked for, pixels
   double dead_zone = 0.25;   ///< offsets below are none, pixels
   double stiffness =

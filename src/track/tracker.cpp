@@ -13,6 +13,7 @@
 #include "knotreel/motion/still.h"
 #include "knotreel/track/idle_knots.h"
 #include "knotreel/vectorize/vectorize.h"
+#include "track/bend_geometry.h"
 #include "track/carried_geometry.h"
 #include "track/carried_links.h"
 #include "track/matching.h"
@@ -51,14 +52,7 @@ std::vector<Vec2> image_positions(const spline::Basis& basis, std::span<const Ve
   for (const mesh::Knot& k : mesh.knots) points.push_back(k.position);
   if (std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; }))
     return points;
-  const spline::ScatteredValues values = basis.evaluate(points);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t j = values.begin[i]; j < values.begin[i + 1]; ++j) {
-      const spline::BasisValue& v = values.values[j];
-      points[i] = points[i] + v.value * displacement[basis.space().geometry_of()[v.function]];
-    }
-  }
-  return points;
+  return fit::image_points(basis, displacement, std::move(points));
 }
 
 /// Motion of the knots, zero where moving explains the picture hardly better than staying.
@@ -158,11 +152,10 @@ class Tracker::Impl {
     displacement_ = std::move(cold.model.displacement);
     lap("cold");
     basis_ = std::make_unique<const spline::Basis>(space_);
-    placed_ = place_pixels(*basis_, displacement_, picture);
-    const fit::PixelValues values(*basis_, picture.width, picture.height, placed_.places);
+    look_at(picture);
     colours_.control = std::move(cold.model.colour);
-    keep_residual(values, picture);
-    measure(picture);
+    keep_residual(fit::PixelValues(*basis_, seen_.picture.width, seen_.picture.height, seen_.places));
+    measure();
     group_psnr_ = report_->psnr;
     group_functions_ = space_->function_count();
     group_length_ = 1;
@@ -174,8 +167,14 @@ class Tracker::Impl {
     prepare_next(picture, false);
   }
 
+  void look_at(const image::Image& picture) {
+    seen_ = place_pixels(*basis_, displacement_, picture);
+    lap("places");
+  }
+
   /// Picture minus surface, with the control points as they are.
-  void keep_residual(const fit::PixelValues& values, const image::Image& picture) {
+  void keep_residual(const fit::PixelValues& values) {
+    const image::Image& picture = seen_.picture;
     std::vector<double> surface(picture.samples.size());
     fit::surface_at_pixels(values, colours_.control, picture.channels, surface);
     colours_.residual.resize(surface.size());
@@ -184,8 +183,8 @@ class Tracker::Impl {
     }
   }
 
-  void measure(const image::Image& picture) {
-    const Quality quality = quality_of(colours_.residual, placed_.weights, picture.channels);
+  void measure() {
+    const Quality quality = quality_of(colours_.residual, seen_.weights, seen_.picture.channels);
     report_->mec = quality.mec;
     report_->psnr = quality.psnr;
   }
@@ -203,21 +202,20 @@ class Tracker::Impl {
     KnotMesh carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->carry);
     lap("carry");
     target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
-    const image::Image wanted =
-        temporal_target(picture, colours_.residual, placed_.weights, motion, options_.temporal_weight);
     lap("target");
     const KnotMesh before = space_->mesh();
-    frame_before_ = {space_, colours_.control, last_mec_};
+    frame_before_ = {space_, colours_.control, std::move(colours_.residual), std::move(seen_.weights),
+                     last_mec_};
     take_over(std::move(carried));
     bend_curves(*motion.now);
-    fit(picture, wanted);
-    measure(picture);
+    fit(picture, motion);
+    measure();
     for (int pass = 0; pass < options_.most_repairs && report_->psnr < last_psnr_ - options_.repair_below;
          ++pass) {
       prepare_next(picture, true);
       take_over(next_mesh_);
-      fit(picture, wanted);
-      measure(picture);
+      fit(picture, motion);
+      measure();
       ++report_->repairs;
     }
     report_->survival = share_alive(before, space_->mesh());
@@ -240,25 +238,28 @@ class Tracker::Impl {
     lap("space");
   }
 
-  /// Fits the geometry to the edges again, if the curves miss them by too much.
+  /// Bends the geometry to the edges, if the curves miss them by too much.
   void bend_curves(const motion::Luma& now) {
     const EdgePoints edges = find_edge_points(*basis_, displacement_, now);
     if (edges.rms <= options_.curve_error) return;
-    const std::vector<Vec2> places = rough_places(*basis_, displacement_, now.width, now.height);
-    const fit::PixelValues values(*basis_, now.width, now.height, places);
-    displacement_ = fit::fit_geometry(values, places, edges.points, cold_.geometry);
+    bend_geometry(*basis_, edges.points, displacement_);
     fit::unfold_geometry(*basis_, displacement_);
     lap("geometry");
   }
 
-  void fit(const image::Image& picture, const image::Image& wanted) {
-    placed_ = place_pixels(*basis_, displacement_, wanted);
-    lap("places");
-    const fit::PixelValues values(*basis_, picture.width, picture.height, placed_.places);
+  void fit(const image::Image& picture, const Motion& motion) {
+    look_at(picture);
+    const fit::PixelValues values(*basis_, seen_.picture.width, seen_.picture.height, seen_.places);
     lap("basis");
-    colours_ = fit::fit_colours(values, placed_.view(), cold_.colour);
+    const image::Image wanted = temporal_target(seen_.picture, frame_before_.residual, frame_before_.weights,
+                                                motion, options_.temporal_weight);
+    fit::Pixels pixels = seen_.view();
+    pixels.image = &wanted;
+    fit::ColourFitOptions colour = cold_.colour;
+    colour.find_residual = false;
+    colours_ = fit::fit_colours(values, pixels, colour);
     hold_colours();
-    keep_residual(values, picture);
+    keep_residual(values);
     lap("colours");
   }
 
@@ -286,8 +287,8 @@ class Tracker::Impl {
     next_mesh_ = space_->mesh();
     if (!options_.warm_start) return;
     if (options_.settle) {
-      const fit::Pixels pixels{.image = &picture, .weights = placed_.weights, .places = placed_.places};
-      std::vector<Vec2> moves = settling_.moves(next_mesh_, fit::knot_gradient(*basis_, pixels, colours_));
+      std::vector<Vec2> moves =
+          settling_.moves(next_mesh_, fit::knot_gradient(*basis_, seen_.view(), colours_));
       fit::limit_moves(*space_, options_.carry.min_distance, moves);
       for (std::size_t k = 0; k < moves.size(); ++k) {
         next_mesh_.knots[k].position = next_mesh_.knots[k].position + moves[k];
@@ -315,7 +316,7 @@ class Tracker::Impl {
     refine.max_knots = static_cast<std::size_t>(std::max(0.0, wanted));
     refine.min_distance = options_.carry.min_distance;
     const auto inserted =
-        knots::refine_knots(mesh, errors, placed_.places, picture.width, picture.height, refine);
+        knots::refine_knots(mesh, errors, seen_.places, picture.width, picture.height, refine);
     next_id_ = mesh.next_id();
     report_->inserted += inserted.size();
     if (!inserted.empty() && options_.optimise_inserted) {
@@ -327,11 +328,11 @@ class Tracker::Impl {
   }
 
   std::vector<float> squared_errors() const {
-    const auto channels = static_cast<std::size_t>(target_->channels());
+    const auto channels = static_cast<std::size_t>(seen_.picture.channels);
     const std::vector<float>& residual = colours_.residual;
     std::vector<float> squared(residual.size() / channels, 0);
     for (std::size_t i = 0; i < squared.size(); ++i) {
-      if (!placed_.weights.empty() && placed_.weights[i] < 1) continue;
+      if (!seen_.weights.empty() && seen_.weights[i] < 1) continue;
       for (std::size_t c = 0; c < channels; ++c)
         squared[i] += residual[i * channels + c] * residual[i * channels + c];
     }
@@ -355,13 +356,15 @@ class Tracker::Impl {
 
   std::shared_ptr<const spline::SplineSpace> space_;
   std::vector<Vec2> displacement_;
-  fit::ColourFit colours_;  ///< the residual is that of the picture
-  PlacedPixels placed_;
+  PlacedPixels seen_;
+  fit::ColourFit colours_;                      ///< the residual is that of seen_
   std::unique_ptr<const spline::Basis> basis_;  ///< of space_
   KnotMesh next_mesh_;
   struct {
     std::shared_ptr<const spline::SplineSpace> space;
     std::vector<double> control;
+    std::vector<float> residual;  ///< of what was seen
+    std::vector<float> weights;
     double mec = 0;
   } frame_before_;
   Settling settling_;

@@ -32,4 +32,10 @@ Options preset_options(Preset preset) {
   return options;
 }
 
+Options video_options(Options picture) {
+  picture.feature_share = std::min(picture.feature_share, 0.15);
+  picture.correction.strength = std::min(picture.correction.strength, 0.2);
+  return picture;
+}
+
 }  // namespace knotreel::vectorize

@@ -27,10 +27,9 @@ using mesh::KnotIndex;
 
 // Share of the control points that the first round may use; the rest is for refinement.
 constexpr double kFirstShare = 0.8;
-// Shares of the control points that features may use up, before any knot is put between them: all of them,
-// and as long as there are weak ones, which the smooth surface can stand in for. Weak are those of little
-// contrast (in levels) within three pixels that have more of it farther away: soft edges.
-constexpr double kFeatureShare = 0.6;
+// Share of the control points that features may use up as long as there are weak ones, which the smooth
+// surface can stand in for. Weak are those of little contrast (in levels) within three pixels that have more
+// of it farther away: soft edges.
 constexpr double kWeakShare = 0.1;
 constexpr double kWeakContrast = 140;
 constexpr double kSharpness = 0.93;
@@ -233,8 +232,8 @@ class Run {
     const auto most = static_cast<double>(max_functions_);
     if (functions <= kWeakShare * most) return false;
     if (keep_strongest(kMargin * kWeakShare * most / functions, true)) return true;
-    return functions > kFeatureShare * most &&
-           keep_strongest(kMargin * kFeatureShare * most / functions, false);
+    return functions > options_.feature_share * most &&
+           keep_strongest(kMargin * options_.feature_share * most / functions, false);
   }
 
   /// Mean over the points of a chain of the largest range of a channel within some pixels.

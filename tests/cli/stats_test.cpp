@@ -60,6 +60,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "max_control_points",
                                  "descent_steps",
                                  "seed",
+                                 "feature_share",
                                  "features",
                                  "fairing",
                                  "colour_correction",

@@ -15,6 +15,7 @@ struct ColourFitOptions {
   /// Keeps the surface C1 (degree 2) or C2 (degree 3) at multiple knots too, but for functions that two of
   /// them share (spline/smooth_corners.h).
   bool smooth_corners = true;
+  bool find_residual = true;  ///< false: ColourFit has no residual and no squared error
 };
 
 struct ColourFit {

@@ -41,10 +41,18 @@ std::vector<double> geometry_errors(const spline::Basis& basis, std::span<const 
 /// @return the number of samples where that failed.
 std::size_t unfold_geometry(const spline::Basis& basis, std::vector<Vec2>& displacement);
 
+/// Where the geometry takes points of the parametric domain.
+std::vector<Vec2> image_points(const spline::Basis& basis, std::span<const Vec2> displacement,
+                               std::vector<Vec2> points);
+
+/// @return by pixel, 1 where a feature curve passes through its square.
+std::vector<std::uint8_t> crossed_pixels(const spline::Basis& basis, std::span<const Vec2> displacement,
+                                         int width, int height);
+
 /// The geometry part of a surface turned round: where each pixel centre lies in the parametric domain.
 struct PixelPlaces {
   std::vector<Vec2> places;           ///< row-major; exactly the centre where the geometry is the identity
-  std::vector<std::uint8_t> crossed;  ///< 1 where a feature curve passes through the square of the pixel
+  std::vector<std::uint8_t> crossed;  ///< as crossed_pixels()
 };
 
 /// @param start  about where the pixels are, such as the places that the geometry was fitted to; or none:

@@ -25,9 +25,9 @@ struct TrackOptions {
   double drift = 3.0;
   bool settle = true;             ///< whether knots go on descending on the true residual, a step per frame
   bool optimise_inserted = true;  ///< whether the mesh around new knots is optimised
-  double curve_error = 0.3;  ///< root mean square miss of the feature curves that they are bent for, pixels
-  double colour_hold = 2;    ///< control points keep colours that change by less, levels ...
-  double hold_share = 0.4;   ///< ... and by less than this share of the MEC of the frame before
+  double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
+  double colour_hold = 2;     ///< control points keep colours that change by less, levels ...
+  double hold_share = 0.4;    ///< ... and by less than this share of the MEC of the frame before
   CarryOptions carry{};
   SwapOptions swap{};
   /// When a frame is worse than the one before by this, knots are put where the error is at once rather than

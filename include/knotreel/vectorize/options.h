@@ -30,6 +30,8 @@ struct Options {
   std::uint64_t seed = 1;              ///< kept in reports; the method draws no random numbers
 
   bool features = true;  ///< whether to look for features at all
+  /// Share of the control points that features may use up, 0 to 1; those of least contrast are left out.
+  double feature_share = 0.6;
   bool fairing = true;
   bool colour_correction = true;
   bool picture_links = true;  ///< link triangulations chosen by the picture
@@ -56,5 +58,9 @@ std::size_t default_control_points(std::uint64_t pixels);
 
 /// The effort of a preset, all else as by default.
 Options preset_options(Preset preset);
+
+/// Those of a picture made fit for the frames of a video: with fewer control points per pixel and edges
+/// blurred by lossy codecs, all but the strongest features cost more than they bring (docs/decisions/0016).
+Options video_options(Options picture);
 
 }  // namespace knotreel::vectorize
