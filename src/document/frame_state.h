@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "document/conquest.h"
+#include "document/frame_models.h"
 #include "knotreel/document/frame_model.h"
 #include "knotreel/document/sequence_info.h"
 #include "knotreel/spline/space.h"
@@ -63,6 +64,7 @@ struct FrameState {
   std::vector<std::int64_t> colour;        ///< `channels` per function, in steps
   std::vector<std::uint32_t> function_ids;
   std::uint32_t next_function_id = 0;  ///< of the group, so far
+  FrameModels models;                  ///< of the group, after this frame
 
   const mesh::KnotMesh& mesh() const { return space->mesh(); }
 };

@@ -28,9 +28,6 @@ Format make_format(SequenceInfo info, const EncodeOptions& options) {
   if (options.knot_bits < kMinKnotBits || options.knot_bits > kMaxKnotBits) {
     throw Error(ErrorKind::kInvalidArgument, "the knot bits of a document are 0 to 14");
   }
-  if (options.zstd_level < 1 || options.zstd_level > 22) {
-    throw Error(ErrorKind::kInvalidArgument, "the zstd level of a document is 1 to 22");
-  }
   return {std::move(info), units(options.colour_step, kColourUnits, "colour"),
           units(options.displacement_step, kDisplacementUnits, "displacement")};
 }
@@ -43,7 +40,6 @@ class Writer::Impl {
   Impl(std::ostream* out, std::filesystem::path path, SequenceInfo info, const EncodeOptions& options)
       : format_(make_format(std::move(info), options)),
         quantise_{options.knot_bits, options.rename_knots},
-        streams_(options.zstd_level),
         path_(std::move(path)) {
     if (!out) {
       part_ = path_;
@@ -62,7 +58,7 @@ class Writer::Impl {
     const FrameState* before = state_ && !model.keyframe ? &*state_ : nullptr;
     FrameState state = to_state(model, before, format_, quantise_);
     const std::vector<std::byte> bytes =
-        chunk(ChunkType::kFrame, encode_frame(state, before, format_, streams_));
+        chunk(ChunkType::kFrame, encode_frame(state, before, format_));
     const FrameRecord record{position_, bytes.size(), state.frame, state.pts, state.keyframe};
     put(bytes);
     flush();
@@ -111,7 +107,6 @@ class Writer::Impl {
 
   Format format_;
   QuantiseOptions quantise_;
-  StreamWriter streams_;
   std::filesystem::path path_;
   std::filesystem::path part_;  ///< empty when writing to a stream
   std::ofstream file_;

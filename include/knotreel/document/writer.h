@@ -22,8 +22,6 @@ struct EncodeOptions {
   /// where others cost one to two per knot. For stills, and for encoders that go on from what append()
   /// returns: a later frame of the group must come with those new ids. False keeps all ids as they are.
   bool rename_knots = false;
-  /// 1 (fast) to 22 (small).
-  int zstd_level = 12;
 };
 
 /// Writes a document frame by frame. Not safe to use from several threads.
