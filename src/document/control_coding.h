@@ -63,8 +63,17 @@ class Neighbourhood {
   Vector last_{};
 };
 
-inline void require_control(std::int64_t v) {
-  if (v < -kMaxControl || v > kMaxControl) malformed("a control point is out of range");
+/// Codes a value that is a multiple of `unit`; so is the prediction then, rounded to the nearest, halves up.
+/// @return the difference in units.
+template <class Coder>
+std::int64_t code_control(Coder& coder, ResidualModels& models, const Around& around, std::int64_t unit,
+                          std::int64_t& value, std::int64_t prediction) {
+  std::int64_t units = value / unit;
+  const std::int64_t difference =
+      code_residual(coder, models, around, units, floor_div(2 * prediction + unit, 2 * unit));
+  value = units * unit;
+  if (value < -kMaxControl || value > kMaxControl) malformed("a control point is out of range");
+  return difference;
 }
 
 /// @param before  null for a keyframe.
@@ -92,9 +101,8 @@ void code_displacements(Coder& coder, ControlModels& models, FrameState& state, 
     std::array<std::int64_t, 2> difference{};
     for (std::size_t i = 0; i < 2; ++i) {
       std::int64_t& value = state.displacement[2 * g + i];
-      difference[i] = code_residual(coder, models.displacement[old ? 1 : 0][i], coded.around(places, i), value,
-                                    prediction[i]);
-      require_control(value);
+      difference[i] = code_control(coder, models.displacement[old ? 1 : 0][i], coded.around(places, i), 1,
+                                   value, prediction[i]);
     }
     coded.add(places, {state.displacement[2 * g], state.displacement[2 * g + 1]}, difference);
   }
@@ -118,15 +126,14 @@ void code_colours(Coder& coder, ControlModels& models, FrameState& state, const 
     const auto colour = std::span(state.colour).subspan(channels * f, channels);
     std::array<std::int64_t, 4> difference{};
     const auto code = [&](std::size_t c, std::int64_t guess) {
-      difference[c] = code_residual(coder, models.colour[old ? 1 : 0][c], coded.around(places, c), colour[c],
-                                    prediction[c] + guess);
-      require_control(colour[c]);
+      difference[c] = code_control(coder, models.colour[old ? 1 : 0][c], coded.around(places, c),
+                                   state.colour_unit, colour[c], prediction[c] + guess);
     };
     // Green goes first where there is one; its error is a good guess of that of red and blue.
     if (channels >= 3) code(1, 0);
-    const std::int64_t guess = difference[1];
+    const std::int64_t guess = channels >= 3 ? difference[1] * state.colour_unit : 0;
     for (std::size_t c = 0; c < channels; ++c) {
-      if (channels < 3 || c != 1) code(c, c < 3 && channels >= 3 ? guess : 0);
+      if (channels < 3 || c != 1) code(c, c < 3 ? guess : 0);
     }
     std::array<std::int64_t, 4> value{};
     std::copy(colour.begin(), colour.end(), value.begin());

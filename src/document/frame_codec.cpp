@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <limits>
 
+#include "document/bytes.h"
 #include "document/canonical.h"
 #include "document/control_coding.h"
-#include "document/bytes.h"
 #include "document/identity.h"
 #include "document/knot_coding.h"
 #include "document/link_coding.h"
@@ -17,11 +17,12 @@ namespace knotreel::document {
 namespace {
 
 constexpr std::uint8_t kKeyframe = 1;
-constexpr std::uint8_t kTopology = 2;  ///< stored; else that of the frame before
+constexpr std::uint8_t kTopology = 2;   ///< stored; else that of the frame before
+constexpr std::uint8_t kUnchanged = 4;  ///< nothing else is stored
 
 FramePrefix read_prefix(ByteReader& in, std::uint8_t& flags) {
   flags = in.u8();
-  if (flags > (kKeyframe | kTopology)) malformed("a frame has unknown flags");
+  if (flags > kUnchanged) malformed("a frame has unknown flags");
   if ((flags & kKeyframe) && !(flags & kTopology)) malformed("a keyframe has no topology");
   FramePrefix prefix;
   prefix.keyframe = flags & kKeyframe;
@@ -40,6 +41,13 @@ bool same_topology(const FrameState& x, const FrameState& y) {
                             &mesh::FeatureSegment::knots);
 }
 
+/// Whether a frame is the one before but for its number and time.
+bool unchanged(const FrameState& x, const FrameState& y) {
+  return x.grid.bits == y.grid.bits && x.grid.points == y.grid.points &&
+         x.grid.parameters == y.grid.parameters && x.displacement == y.displacement && x.colour == y.colour &&
+         same_topology(x, y);
+}
+
 /// Matches of a state with the frame before; no knots without one.
 Matches match(const FrameState& state, const FrameState* before, bool topology_stored) {
   if (!before) return {std::vector<std::uint32_t>(state.mesh().knots.size(), kNoMatch), {}, {}};
@@ -52,12 +60,13 @@ void quantise_controls(FrameState& state, const FrameModel& model, const Format&
                        const std::vector<spline::FunctionIndex>& function_of) {
   const spline::SplineSpace& given = *model.space;
   const auto channels = static_cast<std::size_t>(format.info.channels);
+  const double colour_step = static_cast<double>(state.colour_unit) * format.colour_scale();
   state.colour.reserve(channels * function_of.size());
   state.displacement.resize(2 * state.space->geometry_count());
   for (spline::FunctionIndex f = 0; f < function_of.size(); ++f) {
     for (std::size_t c = 0; c < channels; ++c) {
-      state.colour.push_back(
-          quantise(model.colour[channels * function_of[f] + c], format.colour_scale(), "control colour"));
+      state.colour.push_back(state.colour_unit * quantise(model.colour[channels * function_of[f] + c],
+                                                          colour_step, "control colour"));
     }
     const Vec2 d = model.displacement[given.geometry_of()[function_of[f]]];
     const std::uint32_t g = state.space->geometry_of()[f];
@@ -101,6 +110,7 @@ FrameState to_state(const FrameModel& model, const FrameState* before, const For
   state.keyframe = before == nullptr;
   try {
     CanonicalMesh numbering = canonical_mesh(model.space->mesh());
+    state.colour_unit = options.colour_unit;
     state.grid = quantise_knots(numbering, options.knot_bits);
     state.domain_corners = numbering.domain_corners;
     state.discoveries = numbering.conquest.discoveries;
@@ -119,15 +129,24 @@ FrameState to_state(const FrameModel& model, const FrameState* before, const For
 }
 
 std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before, const Format& format) {
+  const bool nothing = before && unchanged(state, *before);
   const bool store_topology = !before || !same_topology(state, *before);
   const auto channels = static_cast<std::size_t>(format.info.channels);
   const mesh::KnotMesh& mesh = state.mesh();
 
   ByteWriter out;
-  out.u8(static_cast<std::uint8_t>((state.keyframe ? kKeyframe : 0) | (store_topology ? kTopology : 0)));
+  out.u8(nothing ? kUnchanged
+                 : static_cast<std::uint8_t>((state.keyframe ? kKeyframe : 0) |
+                                             (store_topology ? kTopology : 0)));
   out.varint(state.frame);
   out.svarint(state.pts);
+  if (nothing) {
+    state.colour_unit = before->colour_unit;
+    state.models = before->models;
+    return out.take();
+  }
   out.u8(static_cast<std::uint8_t>(state.grid.bits));
+  out.varint(static_cast<std::uint64_t>(state.colour_unit));
 
   ArithmeticWriter coder;
   FrameModels models = before ? before->models : FrameModels{};
@@ -137,7 +156,8 @@ std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before,
                    models.topology, coder);
   }
   const KnotLayout layout{mesh, state.discoveries, state.border_count, state.domain_corners};
-  KnotCoding(coder, models.positions, layout, PreviousKnots(before, matches.knots, state.grid.bits), state.grid)
+  KnotCoding(coder, models.positions, layout, PreviousKnots(before, matches.knots, state.grid.bits),
+             state.grid)
       .run();
   if (store_topology) write_links(*state.space, before, models.links, coder);
   code_displacements(coder, models.controls, state, before, matches);
@@ -168,8 +188,19 @@ FrameState decode_frame(std::span<const std::byte> payload, const FrameState* be
   state.keyframe = prefix.keyframe;
   if (state.keyframe) before = nullptr;
   if (!state.keyframe && !before) malformed("a frame depends on one before it, but there is none");
+  if (flags & kUnchanged) {
+    if (std::ranges::any_of(in.take(in.remaining()), [](std::byte b) { return b != std::byte{0}; })) {
+      malformed("data after the end of a frame");
+    }
+    FrameState same = *before;
+    same.frame = state.frame;
+    same.pts = state.pts;
+    same.keyframe = false;
+    return same;
+  }
   state.grid.bits = in.u8();
   if (state.grid.bits > kMaxKnotBits) malformed("the knot grid is finer than allowed");
+  state.colour_unit = static_cast<std::int64_t>(in.varint_in(1, kMaxColourUnit, "unit of the colours"));
 
   ArithmeticReader coder(in.take(in.remaining()));
   if (before) state.models = before->models;
@@ -199,8 +230,7 @@ FrameState decode_frame(std::span<const std::byte> payload, const FrameState* be
   set_positions(topology.mesh, state.grid);
   if (const auto defect = mesh::find_defect(topology.mesh)) malformed(*defect);
   if (topology_stored) {
-    state.space =
-        read_space(std::move(topology.mesh), format.info.degree, before, state.models.links, coder);
+    state.space = read_space(std::move(topology.mesh), format.info.degree, before, state.models.links, coder);
   } else {
     state.space = std::make_shared<spline::SplineSpace>(spline::SplineSpace::from_link_codes(
         std::move(topology.mesh), format.info.degree, before->space->link_codes()));

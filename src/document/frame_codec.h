@@ -22,6 +22,7 @@ struct FramePrefix {
 
 struct QuantiseOptions {
   int knot_bits = 6;
+  std::int64_t colour_unit = 1;
   bool rename_knots = false;
 };
 

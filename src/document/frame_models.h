@@ -38,9 +38,9 @@ struct TopologyModels {
 };
 
 struct LinkModels {
-  static constexpr std::size_t kSpans = 8;             ///< longer spans count as the longest
+  static constexpr std::size_t kSpans = 8;               ///< longer spans count as the longest
   std::array<std::array<BitModel, 2>, kSpans> expected;  ///< by span and whether the last one was expected
-  std::array<std::array<NumberModel, 2>, kSpans> code;  ///< by span and whether there was an expectation
+  std::array<std::array<NumberModel, 2>, kSpans> code;   ///< by span and whether there was an expectation
 };
 
 /// Differences from predictions: their size has a model for every size that those around make one expect.
@@ -51,7 +51,7 @@ struct ResidualModels {
 };
 
 struct PositionModels {
-  std::array<ResidualModels, 2> border;     ///< new, old
+  std::array<ResidualModels, 2> border;  ///< new, old
   std::array<ResidualModels, 2> vertex;
   std::array<ResidualModels, 2> parameter;
   std::array<std::array<ResidualModels, 2>, 2> free;  ///< by x and y

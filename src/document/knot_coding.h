@@ -52,7 +52,8 @@ class PreviousKnots {
 
  private:
   std::int64_t scaled(std::int64_t v) const {
-    return shift_ >= 0 ? v * (std::int64_t{1} << shift_) : v >> -shift_;
+    if (shift_ >= 0) return v * (std::int64_t{1} << shift_);
+    return (v + (std::int64_t{1} << -shift_) / 2) >> -shift_;
   }
 
   const FrameState* before_;
@@ -162,8 +163,7 @@ class KnotCoding {
         const auto* match = previous_.match(k, KnotKind::kSegment);
         if (match) prediction = previous_.parameter(*match);
         std::int64_t& t = grid_.parameters[k];
-        around =
-            latest(code_residual(coder_, models_.parameter[match ? 1 : 0], around, t, prediction));
+        around = latest(code_residual(coder_, models_.parameter[match ? 1 : 0], around, t, prediction));
         if (t <= last || t >= kSegmentUnit) malformed("the knots of a segment are out of order");
         last = t;
         grid_.points[k] = {a.x + ((t * (b.x - a.x)) >> 16), a.y + ((t * (b.y - a.y)) >> 16)};
@@ -234,7 +234,8 @@ class KnotCoding {
       ++count;
     }
     if (count == 0) return p;
-    return clamped({p.x + floor_div(2*sum.x + count, 2 * count), p.y + floor_div(2*sum.y + count, 2 * count)});
+    return clamped(
+        {p.x + floor_div(2 * sum.x + count, 2 * count), p.y + floor_div(2 * sum.y + count, 2 * count)});
   }
 
   /// The fourth corner of a parallelogram over the gate; at the border, that of an equilateral triangle,
@@ -264,8 +265,8 @@ class KnotCoding {
   KnotGrid& grid_;
   std::int64_t width_;
   std::int64_t height_;
-  std::vector<Move> moves_;                     ///< by knot
-  std::vector<std::array<Around, 2>> sizes_;    ///< by free knot: its differences in x and y
+  std::vector<Move> moves_;                   ///< by knot
+  std::vector<std::array<Around, 2>> sizes_;  ///< by free knot: its differences in x and y
 };
 
 }  // namespace knotreel::document

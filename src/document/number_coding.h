@@ -23,7 +23,8 @@ inline constexpr std::size_t kMostClass = 2 * 60 + 1;  ///< numbers are below 2^
 
 /// How large a number is expected to be.
 struct NumberModel {
-  std::array<BitModel, 24> larger;  ///< by class: whether the number is of a higher one; the last for the rest
+  std::array<BitModel, 24>
+      larger;  ///< by class: whether the number is of a higher one; the last for the rest
 };
 
 template <class Coder>
@@ -47,7 +48,8 @@ struct SignedModel {
 
 template <class Coder>
 std::int64_t code_signed(Coder& coder, NumberModel& magnitude, BitModel& negative, std::int64_t value) {
-  const std::uint64_t size = value < 0 ? -static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
+  const std::uint64_t size =
+      value < 0 ? -static_cast<std::uint64_t>(value) : static_cast<std::uint64_t>(value);
   const auto coded = static_cast<std::int64_t>(code_number(coder, magnitude, size));
   if (coded == 0) return 0;
   return coder.bit(negative, value < 0) ? -coded : coded;

@@ -15,8 +15,8 @@ constexpr std::int64_t floor_div(std::int64_t a, std::int64_t b) {
 
 /// The differences coded so far near the next one: what size and sign to expect.
 struct Around {
-  std::int64_t sum = 0;    ///< of differences
-  std::int64_t size = 0;   ///< of their magnitudes
+  std::int64_t sum = 0;   ///< of differences
+  std::int64_t size = 0;  ///< of their magnitudes
   std::int64_t count = 0;
 
   void add(std::int64_t difference) {

@@ -74,7 +74,8 @@ class TopologyCoding {
     if constexpr (!kWriting) t_.mesh.knots.resize(border);
   }
 
-  static std::int64_t side_count(const std::array<KnotIndex, 4>& corners, KnotIndex border, std::size_t side) {
+  static std::int64_t side_count(const std::array<KnotIndex, 4>& corners, KnotIndex border,
+                                 std::size_t side) {
     return std::int64_t{side == 3 ? border : corners[side + 1]} - corners[side] - 1;
   }
 
@@ -97,8 +98,10 @@ class TopologyCoding {
 
   /// A knot of the frame before that was not found yet, by its distance from the one found last.
   std::uint32_t reference(SignedModel& model, std::uint32_t match) {
-    const std::int64_t at = std::int64_t{expected_} + code_signed(coder_, model, std::int64_t{match} - expected_);
-    if (at < 0 || at >= static_cast<std::int64_t>(found_.size()) || found_[static_cast<std::size_t>(at)] != kNoKnot) {
+    const std::int64_t at =
+        std::int64_t{expected_} + code_signed(coder_, model, std::int64_t{match} - expected_);
+    if (at < 0 || at >= static_cast<std::int64_t>(found_.size()) ||
+        found_[static_cast<std::size_t>(at)] != kNoKnot) {
       malformed("a knot refers to none of the frame before");
     }
     return static_cast<std::uint32_t>(at);
@@ -229,7 +232,8 @@ class TopologyCoding {
       if (t_.matches[end] == kNoMatch) continue;
       for (const EdgeTable::Side& side : edges_before_->from(t_.matches[end])) {
         const std::uint32_t p = side.to;
-        if (alive_[p] && found_[p] == kNoKnot && p != expected && std::ranges::find(candidates_, p) == candidates_.end()) {
+        if (alive_[p] && found_[p] == kNoKnot && p != expected &&
+            std::ranges::find(candidates_, p) == candidates_.end()) {
           candidates_.push_back(p);
         }
       }

@@ -88,8 +88,8 @@ ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const Col
   if (!known.control.empty()) draw_to(known, normal.matrix, right);
   for (Eigen::Index i = 0; i < normal.matrix.rows(); ++i) normal.matrix.coeffRef(i, i) += ridge;
 
-  // min |A c - b|^2 + ridge |c - prior|^2 + pull |c - known|^2 over c = P z, with P the identity or the smooth
-  // surfaces.
+  // min |A c - b|^2 + ridge |c - prior|^2 + pull |c - known|^2 over c = P z, with P the identity or the
+  // smooth surfaces.
   Eigen::SparseMatrix<double> p;
   if (options.smooth_corners) {
     p = spline::smooth_corner_prolongation(space, spline::SharedFunctions::kFree);
