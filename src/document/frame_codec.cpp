@@ -43,8 +43,9 @@ bool same_topology(const FrameState& x, const FrameState& y) {
 
 /// Whether a frame is the one before but for its number and time.
 bool unchanged(const FrameState& x, const FrameState& y) {
-  return x.grid.bits == y.grid.bits && x.grid.points == y.grid.points &&
-         x.grid.parameters == y.grid.parameters && x.displacement == y.displacement && x.colour == y.colour &&
+  return x.grid.bits == y.grid.bits && x.displacement == y.displacement && x.colour == y.colour &&
+         std::ranges::equal(x.mesh().knots, y.mesh().knots, {}, &mesh::Knot::position,
+                            &mesh::Knot::position) &&
          same_topology(x, y);
 }
 
