@@ -34,8 +34,12 @@ class LinksBefore {
       inner[i] = before_of_[vertex[i]];
     }
     if (vertex.size() == 2 && inner[0] > inner[1]) std::swap(inner[0], inner[1]);
-    const auto range = std::ranges::equal_range(space_->configs(), inner, {}, &spline::Config::inner);
-    configs_ = {range.begin(), range.end()};
+    // Not equal_range: the library's subranges are too much for clang 14, which the fuzzers need.
+    const auto configs = space_->configs();
+    const auto first = std::ranges::lower_bound(configs, inner, {}, &spline::Config::inner);
+    const auto last = std::ranges::upper_bound(configs, inner, {}, &spline::Config::inner);
+    configs_ = configs.subspan(static_cast<std::size_t>(first - configs.begin()),
+                               static_cast<std::size_t>(last - first));
   }
 
   /// Third corner of the triangle at an edge, or kNoCorner.

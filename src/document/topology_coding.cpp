@@ -1,7 +1,7 @@
 #include "document/topology_coding.h"
 
 #include <algorithm>
-#include <map>
+#include <optional>
 
 #include "document/edge_table.h"
 #include "document/identity.h"
@@ -345,7 +345,7 @@ class TopologyCoding {
     }
   }
 
-  /// Ends of edges at a knot, ascending; the last of a border knot is where an edge only comes from.
+  /// The knots joined to a knot, ascending.
   static void neighbours_of(KnotIndex k, const EdgeTable& edges, std::vector<KnotIndex>& neighbours) {
     neighbours.clear();
     for (const EdgeTable::Side& side : edges.from(k)) {
@@ -353,8 +353,7 @@ class TopologyCoding {
       neighbours.push_back(side.apex);
     }
     std::ranges::sort(neighbours);
-    const auto rest = std::ranges::unique(neighbours);
-    neighbours.erase(rest.begin(), rest.end());
+    neighbours.erase(std::unique(neighbours.begin(), neighbours.end()), neighbours.end());
   }
 
   Coder& coder_;

@@ -28,7 +28,7 @@ struct TrackOptions {
   double curve_error = 0.3;  ///< root mean square miss of the feature curves that they are bent for, pixels
   /// How hard control points are drawn to their colour in the frame before, as a share of what their pixels
   /// weigh: what pixels hardly decide then stays, for less to store and less flicker.
-  double inertia = 0.03;
+  double inertia = 0.02;
   double colour_hold = 2;   ///< control points keep colours that change by less, levels ...
   double hold_share = 0.4;  ///< ... and by less than this share of the MEC of the frame before
   CarryOptions carry{};
