@@ -4,55 +4,9 @@
 #include <limits>
 
 #include "document/bytes.h"
+#include "document/edge_table.h"
 
 namespace knotreel::document {
-namespace {
-
-/// Third corner and number of the face at a directed edge.
-class EdgeTable {
- public:
-  struct Side {
-    KnotIndex to;
-    KnotIndex apex;
-    std::uint32_t face;
-  };
-
-  EdgeTable(std::size_t knot_count, const std::vector<Face>& faces)
-      : begin_(knot_count + 1), sides_(3 * faces.size()) {
-    for (const Face& face : faces) {
-      for (const KnotIndex k : face) ++begin_[k + 1];
-    }
-    for (std::size_t k = 0; k < knot_count; ++k) begin_[k + 1] += begin_[k];
-    std::vector<std::size_t> cursor(begin_.begin(), begin_.end() - 1);
-    for (std::uint32_t f = 0; f < faces.size(); ++f) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        const Face& face = faces[f];
-        sides_[cursor[face[i]]++] = {face[(i + 1) % 3], face[(i + 2) % 3], f};
-      }
-    }
-    // Sorted, so that knots of high valence do not make the search quadratic.
-    for (std::size_t k = 0; k < knot_count; ++k) {
-      std::sort(sides_.begin() + static_cast<std::ptrdiff_t>(begin_[k]),
-                sides_.begin() + static_cast<std::ptrdiff_t>(begin_[k + 1]),
-                [](const Side& x, const Side& y) { return x.to < y.to; });
-    }
-  }
-
-  const Side& at(KnotIndex from, KnotIndex to) const {
-    const auto first = sides_.begin() + static_cast<std::ptrdiff_t>(begin_[from]);
-    const auto last = sides_.begin() + static_cast<std::ptrdiff_t>(begin_[from + 1]);
-    const auto it = std::lower_bound(first, last, to, [](const Side& s, KnotIndex k) { return s.to < k; });
-    if (it == last || it->to != to) malformed("the mesh is not a disk");
-    return *it;
-  }
-
- private:
-  std::vector<std::size_t> begin_;
-  std::vector<Side> sides_;
-};
-
-}  // namespace
-
 Loops::Loops(std::size_t border_count) {
   const auto n = static_cast<std::uint32_t>(border_count);
   nodes_.reserve(border_count);
@@ -147,75 +101,27 @@ Conquered conquer(std::size_t knot_count, const std::vector<Face>& faces,
   while (!loops.done()) {
     const KnotIndex a = loops.a();
     const KnotIndex b = loops.b();
-    const EdgeTable::Side& side = edges.at(result.knot_of[a], result.knot_of[b]);
-    if (out.faces.size() == faces.size()) malformed("the mesh is not a disk");
-    KnotIndex x = canonical[side.apex];
+    const EdgeTable::Side* side = edges.find(result.knot_of[a], result.knot_of[b]);
+    if (!side || out.faces.size() == faces.size()) malformed("the mesh is not a disk");
+    KnotIndex x = canonical[side->apex];
     if (x == kNoKnot) {
-      x = canonical[side.apex] = static_cast<KnotIndex>(result.knot_of.size());
-      result.knot_of.push_back(side.apex);
+      x = canonical[side->apex] = static_cast<KnotIndex>(result.knot_of.size());
+      result.knot_of.push_back(side->apex);
       out.discoveries.push_back({a, b, loops.behind()});
-      out.steps.push_back(static_cast<std::uint8_t>(Step::kNew));
       loops.found(x);
     } else if (x == loops.after()) {
-      out.steps.push_back(static_cast<std::uint8_t>(Step::kRight));
       loops.right();
     } else if (x == loops.before()) {
-      out.steps.push_back(static_cast<std::uint8_t>(Step::kLeft));
       loops.left();
     } else {
-      const std::uint64_t code = loops.split_code(x);
-      out.steps.push_back(static_cast<std::uint8_t>(Step::kSplit));
-      out.splits.push_back(code);
-      loops.split(code);
+      loops.split(loops.split_code(x));
     }
     out.faces.push_back({a, b, x});
-    result.face_of.push_back(side.face);
+    result.face_of.push_back(side->face);
   }
   if (out.faces.size() != faces.size() || result.knot_of.size() != knot_count)
     malformed("the mesh is not a disk");
   return result;
-}
-
-Conquest replay(std::size_t knot_count, std::size_t border_count, Symbols<std::uint8_t>& steps,
-                Symbols<std::uint64_t>& splits) {
-  const std::size_t face_count = 2 * knot_count - border_count - 2;
-  Conquest out;
-  out.faces.reserve(face_count);
-  out.discoveries.reserve(knot_count - border_count);
-  Loops loops(border_count);
-  auto next_knot = static_cast<KnotIndex>(border_count);
-  while (!loops.done()) {
-    if (out.faces.size() == face_count) malformed("the mesh has more faces than its knots allow");
-    const KnotIndex a = loops.a();
-    const KnotIndex b = loops.b();
-    KnotIndex x = 0;
-    switch (static_cast<Step>(steps.next())) {
-      case Step::kNew:
-        if (next_knot == knot_count) malformed("the mesh has more knots than stated");
-        x = next_knot++;
-        out.discoveries.push_back({a, b, loops.behind()});
-        loops.found(x);
-        break;
-      case Step::kRight:
-        x = loops.after();
-        loops.right();
-        break;
-      case Step::kLeft:
-        if (loops.length() == 3) malformed("a loop of three knots is closed by a wrong symbol");
-        x = loops.before();
-        loops.left();
-        break;
-      case Step::kSplit:
-        x = loops.split(splits.next());
-        break;
-      default:
-        malformed("unknown symbol in the connectivity");
-    }
-    out.faces.push_back({a, b, x});
-  }
-  // With all loops closed, Euler's formula turns the number of faces into the number of knots.
-  if (out.faces.size() != face_count) malformed("the mesh has fewer knots than stated");
-  return out;
 }
 
 }  // namespace knotreel::document

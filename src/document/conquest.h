@@ -4,7 +4,6 @@
 #include <cstdint>
 #include <vector>
 
-#include "document/streams.h"
 #include "knotreel/mesh/knot_mesh.h"
 
 /// Connectivity of a knot mesh as a short string of symbols (docs/format.md, "Connectivity"): the border loop
@@ -38,8 +37,6 @@ struct Discovery {
 /// A mesh in canonical numbering: knots 0 to border - 1 are the border loop from the top left corner on in
 /// positive order, the others follow as they are found, faces in the order of the steps.
 struct Conquest {
-  std::vector<std::uint8_t> steps;     ///< Step per face
-  std::vector<std::uint64_t> splits;   ///< one offset per kSplit
   std::vector<Face> faces;             ///< canonical indices
   std::vector<Discovery> discoveries;  ///< of knot border + i
 };
@@ -55,12 +52,6 @@ struct Conquered {
 /// border.
 Conquered conquer(std::size_t knot_count, const std::vector<Face>& faces,
                   const std::vector<KnotIndex>& border);
-
-/// The inverse, from symbols that may be hostile: knot_count knots and 2 knot_count - border_count - 2 faces
-/// or Malformed. The result may still have topological defects (doubled edges).
-/// @param knot_count  >= border_count. @param border_count  >= 4.
-Conquest replay(std::size_t knot_count, std::size_t border_count, Symbols<std::uint8_t>& steps,
-                Symbols<std::uint64_t>& splits);
 
 /// The loops that are still open, as linked nodes; shared by both directions.
 class Loops {

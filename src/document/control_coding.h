@@ -7,62 +7,78 @@
 
 #include "document/frame_state.h"
 #include "document/identity.h"
-#include "document/residuals.h"
+#include "document/residual_coding.h"
 
 /// Control points as differences from predictions (docs/format.md, "Control points").
 namespace knotreel::document {
 
-/// Mean of the vectors coded so far whose basis functions share a knot with the next one, over corners or
-/// knots.
+/// What has been coded so far of the basis functions that share a corner or knot with the next one.
 /// @tparam Size  length of the vectors.
 template <std::size_t Size>
-class RunningMeans {
+class Neighbourhood {
  public:
   using Vector = std::array<std::int64_t, Size>;
 
-  explicit RunningMeans(std::size_t place_count) : sums_(place_count) {}
+  explicit Neighbourhood(std::size_t place_count) : places_(place_count) {}
 
-  Vector predict(std::span<const std::uint32_t> places) const {
+  /// The mean of the vectors, to the nearest, halves up; the last vector if there are none.
+  Vector mean(std::span<const std::uint32_t> places) const {
     Vector sum{};
     std::int64_t count = 0;
     for (const std::uint32_t p : places) {
-      for (std::size_t i = 0; i < Size; ++i) sum[i] += sums_[p].sum[i];
-      count += sums_[p].count;
+      for (std::size_t i = 0; i < Size; ++i) sum[i] += places_[p].sum[i];
+      count += places_[p].count;
     }
     if (count == 0) return last_;
-    // Rounded to the nearest, halves up.
     for (std::int64_t& s : sum) s = floor_div(2 * s + count, 2 * count);
     return sum;
   }
 
-  void add(std::span<const std::uint32_t> places, const Vector& value) {
+  /// Differences of component i from their predictions.
+  Around around(std::span<const std::uint32_t> places, std::size_t i) const {
+    Around result;
+    for (const std::uint32_t p : places) result.add(places_[p].differences[i]);
+    return result;
+  }
+
+  void add(std::span<const std::uint32_t> places, const Vector& value, const Vector& differences) {
     for (const std::uint32_t p : places) {
-      for (std::size_t i = 0; i < Size; ++i) sums_[p].sum[i] += value[i];
-      ++sums_[p].count;
+      for (std::size_t i = 0; i < Size; ++i) {
+        places_[p].sum[i] += value[i];
+        places_[p].differences[i].add(differences[i]);
+      }
+      ++places_[p].count;
     }
     last_ = value;
   }
 
  private:
-  struct Sum {
+  struct Place {
     Vector sum{};
     std::int64_t count = 0;
+    std::array<Around, Size> differences{};
   };
-  static std::int64_t floor_div(std::int64_t a, std::int64_t b) {
-    return a / b - ((a % b != 0 && a < 0) ? 1 : 0);
-  }
 
-  std::vector<Sum> sums_;
+  std::vector<Place> places_;
   Vector last_{};
 };
 
-inline void require_control(std::int64_t v) {
-  if (v < -kMaxControl || v > kMaxControl) malformed("a control point is out of range");
+/// Codes a value that is a multiple of `unit`; so is the prediction then, rounded to the nearest, halves up.
+/// @return the difference in units.
+template <class Coder>
+std::int64_t code_control(Coder& coder, ResidualModels& models, const Around& around, std::int64_t unit,
+                          std::int64_t& value, std::int64_t prediction) {
+  std::int64_t units = value / unit;
+  const std::int64_t difference =
+      code_residual(coder, models, around, units, floor_div(2 * prediction + unit, 2 * unit));
+  value = units * unit;
+  if (value < -kMaxControl || value > kMaxControl) malformed("a control point is out of range");
+  return difference;
 }
 
 /// @param before  null for a keyframe.
-template <class Residuals>
-void code_displacements(Residuals& residuals, FrameState& state, const FrameState* before,
+template <class Coder>
+void code_displacements(Coder& coder, ControlModels& models, FrameState& state, const FrameState* before,
                         const Matches& matches) {
   const spline::SplineSpace& space = *state.space;
   std::vector<spline::FunctionIndex> first(space.geometry_count(), spline::kNoFunction);
@@ -71,58 +87,57 @@ void code_displacements(Residuals& residuals, FrameState& state, const FrameStat
     if (any == spline::kNoFunction) any = f;
   }
   const auto degree = static_cast<std::size_t>(space.degree());
-  RunningMeans<2> means(space.mesh().knots.size());
+  Neighbourhood<2> coded(space.mesh().knots.size());
   for (std::uint32_t g = 0; g < space.geometry_count(); ++g) {
     std::array<std::uint32_t, spline::kMaxDegree> knots{};
     for (std::size_t i = 0; i < degree; ++i) {
       knots[i] = space.cut().corners[space.functions()[first[g]].knots[i]].knot;
     }
     const auto places = std::span(knots).first(degree);
-    auto prediction = means.predict(places);
-    if (before && matches.groups[g] != kNoMatch) {
-      prediction = {before->displacement[2 * matches.groups[g]],
-                    before->displacement[2 * matches.groups[g] + 1]};
+    const bool old = before && matches.groups[g] != kNoMatch;
+    const auto prediction = old ? std::array{before->displacement[2 * matches.groups[g]],
+                                             before->displacement[2 * matches.groups[g] + 1]}
+                                : coded.mean(places);
+    std::array<std::int64_t, 2> difference{};
+    for (std::size_t i = 0; i < 2; ++i) {
+      std::int64_t& value = state.displacement[2 * g + i];
+      difference[i] = code_control(coder, models.displacement[old ? 1 : 0][i], coded.around(places, i), 1,
+                                   value, prediction[i]);
     }
-    std::int64_t& x = state.displacement[2 * g];
-    std::int64_t& y = state.displacement[2 * g + 1];
-    residuals.code(stream::kDisplacementX, x, prediction[0]);
-    residuals.code(stream::kDisplacementY, y, prediction[1]);
-    require_control(x);
-    require_control(y);
-    means.add(places, {x, y});
+    coded.add(places, {state.displacement[2 * g], state.displacement[2 * g + 1]}, difference);
   }
 }
 
 /// @param before  null for a keyframe.
-template <class Residuals>
-void code_colours(Residuals& residuals, FrameState& state, const FrameState* before, const Matches& matches,
-                  std::size_t channels) {
+template <class Coder>
+void code_colours(Coder& coder, ControlModels& models, FrameState& state, const FrameState* before,
+                  const Matches& matches, std::size_t channels) {
   const spline::SplineSpace& space = *state.space;
   const auto degree = static_cast<std::size_t>(space.degree());
-  RunningMeans<4> means(space.cut().corners.size());
+  Neighbourhood<4> coded(space.cut().corners.size());
   for (spline::FunctionIndex f = 0; f < space.function_count(); ++f) {
     const auto places = std::span(space.functions()[f].knots).first(degree);
-    auto prediction = means.predict(places);
-    if (before && matches.functions[f] != kNoMatch) {
+    const bool old = before && matches.functions[f] != kNoMatch;
+    auto prediction = coded.mean(places);
+    if (old) {
       const auto was = std::span(before->colour).subspan(channels * matches.functions[f], channels);
       std::copy(was.begin(), was.end(), prediction.begin());
     }
     const auto colour = std::span(state.colour).subspan(channels * f, channels);
+    std::array<std::int64_t, 4> difference{};
+    const auto code = [&](std::size_t c, std::int64_t guess) {
+      difference[c] = code_control(coder, models.colour[old ? 1 : 0][c], coded.around(places, c),
+                                   state.colour_unit, colour[c], prediction[c] + guess);
+    };
     // Green goes first where there is one; its error is a good guess of that of red and blue.
-    std::int64_t guess = 0;
-    if (channels >= 3) {
-      residuals.code(stream::kColour + 1, colour[1], prediction[1]);
-      require_control(colour[1]);
-      guess = colour[1] - prediction[1];
-    }
+    if (channels >= 3) code(1, 0);
+    const std::int64_t guess = channels >= 3 ? difference[1] * state.colour_unit : 0;
     for (std::size_t c = 0; c < channels; ++c) {
-      if (channels >= 3 && c == 1) continue;
-      residuals.code(stream::kColour + c, colour[c], prediction[c] + (c < 3 ? guess : 0));
-      require_control(colour[c]);
+      if (channels < 3 || c != 1) code(c, c < 3 ? guess : 0);
     }
     std::array<std::int64_t, 4> value{};
     std::copy(colour.begin(), colour.end(), value.begin());
-    means.add(places, value);
+    coded.add(places, value, difference);
   }
 }
 

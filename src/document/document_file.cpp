@@ -170,7 +170,7 @@ void DocumentFile::decode(std::size_t frame) {
         malformed("the index does not agree with the frame");
       }
       const FrameState* before = record.keyframe ? nullptr : &*state_;
-      FrameState state = decode_frame(payload, before, format_, streams_);
+      FrameState state = decode_frame(payload, before, format_);
       state_ = std::move(state);
       state_frame_ = frame;
     } catch (const Malformed& e) {

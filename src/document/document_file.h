@@ -7,7 +7,6 @@
 #include "document/byte_source.h"
 #include "document/container.h"
 #include "document/frame_codec.h"
-#include "document/streams.h"
 
 namespace knotreel::document {
 
@@ -48,7 +47,6 @@ class DocumentFile {
   std::vector<FrameRecord> records_;
   std::uint64_t first_chunk_ = 0;  ///< behind the header chunk
   bool complete_ = false;
-  StreamReader streams_;
   std::optional<FrameState> state_;
   std::size_t state_frame_ = 0;
 };

@@ -3,10 +3,12 @@
 #include <algorithm>
 #include <limits>
 
+#include "document/bytes.h"
 #include "document/canonical.h"
 #include "document/control_coding.h"
 #include "document/identity.h"
 #include "document/knot_coding.h"
+#include "document/link_coding.h"
 #include "document/quantise.h"
 #include "document/topology_coding.h"
 #include "knotreel/base/error.h"
@@ -15,11 +17,12 @@ namespace knotreel::document {
 namespace {
 
 constexpr std::uint8_t kKeyframe = 1;
-constexpr std::uint8_t kTopology = 2;  ///< stored; else that of the frame before
+constexpr std::uint8_t kTopology = 2;   ///< stored; else that of the frame before
+constexpr std::uint8_t kUnchanged = 4;  ///< nothing else is stored
 
 FramePrefix read_prefix(ByteReader& in, std::uint8_t& flags) {
   flags = in.u8();
-  if (flags > (kKeyframe | kTopology)) malformed("a frame has unknown flags");
+  if (flags > kUnchanged) malformed("a frame has unknown flags");
   if ((flags & kKeyframe) && !(flags & kTopology)) malformed("a keyframe has no topology");
   FramePrefix prefix;
   prefix.keyframe = flags & kKeyframe;
@@ -38,9 +41,17 @@ bool same_topology(const FrameState& x, const FrameState& y) {
                             &mesh::FeatureSegment::knots);
 }
 
-/// Matches of a state with the frame before; empty without one.
+/// Whether a frame is the one before but for its number and time.
+bool unchanged(const FrameState& x, const FrameState& y) {
+  return x.grid.bits == y.grid.bits && x.displacement == y.displacement && x.colour == y.colour &&
+         std::ranges::equal(x.mesh().knots, y.mesh().knots, {}, &mesh::Knot::position,
+                            &mesh::Knot::position) &&
+         same_topology(x, y);
+}
+
+/// Matches of a state with the frame before; no knots without one.
 Matches match(const FrameState& state, const FrameState* before, bool topology_stored) {
-  if (!before) return {};
+  if (!before) return {std::vector<std::uint32_t>(state.mesh().knots.size(), kNoMatch), {}, {}};
   if (!topology_stored) return identity(state);
   return {match_knots(state.mesh(), before->mesh()), match_functions(*state.space, *before->space),
           match_groups(*state.space, *before->space)};
@@ -50,12 +61,13 @@ void quantise_controls(FrameState& state, const FrameModel& model, const Format&
                        const std::vector<spline::FunctionIndex>& function_of) {
   const spline::SplineSpace& given = *model.space;
   const auto channels = static_cast<std::size_t>(format.info.channels);
+  const double colour_step = static_cast<double>(state.colour_unit) * format.colour_scale();
   state.colour.reserve(channels * function_of.size());
   state.displacement.resize(2 * state.space->geometry_count());
   for (spline::FunctionIndex f = 0; f < function_of.size(); ++f) {
     for (std::size_t c = 0; c < channels; ++c) {
-      state.colour.push_back(
-          quantise(model.colour[channels * function_of[f] + c], format.colour_scale(), "control colour"));
+      state.colour.push_back(state.colour_unit * quantise(model.colour[channels * function_of[f] + c],
+                                                          colour_step, "control colour"));
     }
     const Vec2 d = model.displacement[given.geometry_of()[function_of[f]]];
     const std::uint32_t g = state.space->geometry_of()[f];
@@ -99,6 +111,7 @@ FrameState to_state(const FrameModel& model, const FrameState* before, const For
   state.keyframe = before == nullptr;
   try {
     CanonicalMesh numbering = canonical_mesh(model.space->mesh());
+    state.colour_unit = options.colour_unit;
     state.grid = quantise_knots(numbering, options.knot_bits);
     state.domain_corners = numbering.domain_corners;
     state.discoveries = numbering.conquest.discoveries;
@@ -116,31 +129,42 @@ FrameState to_state(const FrameModel& model, const FrameState* before, const For
   return state;
 }
 
-std::vector<std::byte> encode_frame(const FrameState& state, const FrameState* before, const Format& format,
-                                    StreamWriter& streams) {
+std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before, const Format& format) {
+  const bool nothing = before && unchanged(state, *before);
   const bool store_topology = !before || !same_topology(state, *before);
   const auto channels = static_cast<std::size_t>(format.info.channels);
   const mesh::KnotMesh& mesh = state.mesh();
 
   ByteWriter out;
-  out.u8(static_cast<std::uint8_t>((state.keyframe ? kKeyframe : 0) | (store_topology ? kTopology : 0)));
+  out.u8(nothing ? kUnchanged
+                 : static_cast<std::uint8_t>((state.keyframe ? kKeyframe : 0) |
+                                             (store_topology ? kTopology : 0)));
   out.varint(state.frame);
   out.svarint(state.pts);
-  out.u8(static_cast<std::uint8_t>(state.grid.bits));
-  if (store_topology) {
-    const auto codes = state.space->link_codes();
-    write_topology(mesh, canonical_mesh(mesh).conquest, state.domain_corners, {codes.begin(), codes.end()},
-                   before ? &before->mesh() : nullptr, streams, out);
+  if (nothing) {
+    state.colour_unit = before->colour_unit;
+    state.models = before->models;
+    return out.take();
   }
+  out.u8(static_cast<std::uint8_t>(state.grid.bits));
+  out.varint(static_cast<std::uint64_t>(state.colour_unit));
 
+  ArithmeticWriter coder;
+  FrameModels models = before ? before->models : FrameModels{};
   const Matches matches = match(state, before, store_topology);
-  ResidualWriter residuals(stream::kColour + channels);
-  FrameState copy = state;  // the coding is written for both directions and wants places to write to
+  if (store_topology) {
+    write_topology({mesh, state.discoveries, state.border_count, state.domain_corners, matches.knots}, before,
+                   models.topology, coder);
+  }
   const KnotLayout layout{mesh, state.discoveries, state.border_count, state.domain_corners};
-  KnotCoding(residuals, layout, PreviousKnots(before, matches.knots, state.grid.bits), copy.grid).run();
-  code_displacements(residuals, copy, before, matches);
-  code_colours(residuals, copy, before, matches, channels);
-  residuals.write(streams, out);
+  KnotCoding(coder, models.positions, layout, PreviousKnots(before, matches.knots, state.grid.bits),
+             state.grid)
+      .run();
+  if (store_topology) write_links(*state.space, before, models.links, coder);
+  code_displacements(coder, models.controls, state, before, matches);
+  code_colours(coder, models.controls, state, before, matches, channels);
+  state.models = models;
+  out.bytes(coder.finish());
 
   std::vector<std::byte> payload = out.take();
   const std::size_t knots_before = before ? before->mesh().knots.size() : 0;
@@ -155,8 +179,7 @@ FramePrefix read_prefix(std::span<const std::byte> payload) {
   return read_prefix(in, flags);
 }
 
-FrameState decode_frame(std::span<const std::byte> payload, const FrameState* before, const Format& format,
-                        StreamReader& streams) {
+FrameState decode_frame(std::span<const std::byte> payload, const FrameState* before, const Format& format) {
   ByteReader in(payload);
   std::uint8_t flags = 0;
   const FramePrefix prefix = read_prefix(in, flags);
@@ -166,21 +189,31 @@ FrameState decode_frame(std::span<const std::byte> payload, const FrameState* be
   state.keyframe = prefix.keyframe;
   if (state.keyframe) before = nullptr;
   if (!state.keyframe && !before) malformed("a frame depends on one before it, but there is none");
+  if (flags & kUnchanged) {
+    if (std::ranges::any_of(in.take(in.remaining()), [](std::byte b) { return b != std::byte{0}; })) {
+      malformed("data after the end of a frame");
+    }
+    FrameState same = *before;
+    same.frame = state.frame;
+    same.pts = state.pts;
+    same.keyframe = false;
+    return same;
+  }
   state.grid.bits = in.u8();
   if (state.grid.bits > kMaxKnotBits) malformed("the knot grid is finer than allowed");
+  state.colour_unit = static_cast<std::int64_t>(in.varint_in(1, kMaxColourUnit, "unit of the colours"));
 
+  ArithmeticReader coder(in.take(in.remaining()));
+  if (before) state.models = before->models;
+  const bool topology_stored = flags & kTopology;
   Topology topology;
-  if (flags & kTopology) {
+  if (topology_stored) {
     const std::size_t most = (before ? before->mesh().knots.size() : 0) + payload.size() + kFreeKnots;
-    topology = read_topology(std::min<std::size_t>(most, std::numeric_limits<KnotIndex>::max() / 32),
-                             before ? &before->mesh() : nullptr, streams, in);
+    topology = read_topology(std::min<std::size_t>(most, std::numeric_limits<KnotIndex>::max() / 32), before,
+                             state.models.topology, coder);
   } else {
-    topology.mesh = before->mesh();
-    topology.discoveries = before->discoveries;
-    topology.border_count = before->border_count;
-    topology.domain_corners = before->domain_corners;
-    const auto codes = before->space->link_codes();
-    topology.link_codes.assign(codes.begin(), codes.end());
+    topology = {before->mesh(), before->discoveries, before->border_count, before->domain_corners,
+                identity(*before).knots};
   }
   topology.mesh.width = format.info.width;
   topology.mesh.height = format.info.height;
@@ -191,32 +224,26 @@ FrameState decode_frame(std::span<const std::byte> payload, const FrameState* be
   state.grid.points.resize(knots);
   state.grid.parameters.resize(knots);
 
-  const auto channels = static_cast<std::size_t>(format.info.channels);
-  ResidualReader residuals(stream::kColour + channels);
-  residuals.read(0, stream::kDisplacementX, 2 * knots, streams, in);
-  Matches matches;
-  if (before) {
-    matches.knots =
-        (flags & kTopology) ? match_knots(topology.mesh, before->mesh()) : identity(*before).knots;
-  }
   const KnotLayout layout{topology.mesh, state.discoveries, state.border_count, state.domain_corners};
-  KnotCoding(residuals, layout, PreviousKnots(before, matches.knots, state.grid.bits), state.grid).run();
+  KnotCoding(coder, state.models.positions, layout, PreviousKnots(before, topology.matches, state.grid.bits),
+             state.grid)
+      .run();
   set_positions(topology.mesh, state.grid);
   if (const auto defect = mesh::find_defect(topology.mesh)) malformed(*defect);
-  state.space = std::make_shared<spline::SplineSpace>(spline::SplineSpace::from_link_codes(
-      std::move(topology.mesh), format.info.degree, topology.link_codes));
-
-  matches = match(state, before, flags & kTopology);
-  const std::size_t functions = state.space->function_count();
-  residuals.read(stream::kDisplacementX, stream::kColour + channels, functions, streams, in);
-  state.displacement.resize(2 * state.space->geometry_count());
-  state.colour.resize(channels * functions);
-  code_displacements(residuals, state, before, matches);
-  code_colours(residuals, state, before, matches, channels);
-  residuals.require_used_up();
-  while (in.remaining() > 0) {
-    if (in.u8() != 0) malformed("data after the last stream of a frame");
+  if (topology_stored) {
+    state.space = read_space(std::move(topology.mesh), format.info.degree, before, state.models.links, coder);
+  } else {
+    state.space = std::make_shared<spline::SplineSpace>(spline::SplineSpace::from_link_codes(
+        std::move(topology.mesh), format.info.degree, before->space->link_codes()));
   }
+
+  const Matches matches = match(state, before, topology_stored);
+  const auto channels = static_cast<std::size_t>(format.info.channels);
+  state.displacement.resize(2 * state.space->geometry_count());
+  state.colour.resize(channels * state.space->function_count());
+  code_displacements(coder, state.models.controls, state, before, matches);
+  code_colours(coder, state.models.controls, state, before, matches, channels);
+  coder.require_end();
   name_functions(state, before, matches.functions);
   return state;
 }

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "document/frame_state.h"
-#include "document/streams.h"
 
 /// Frames to payloads and back, without container and checksum (docs/format.md, "Frame").
 namespace knotreel::document {
@@ -23,6 +22,7 @@ struct FramePrefix {
 
 struct QuantiseOptions {
   int knot_bits = 6;
+  std::int64_t colour_unit = 1;
   bool rename_knots = false;
 };
 
@@ -36,15 +36,14 @@ FrameState to_state(const FrameModel& model, const FrameState* before, const For
 void name_functions(FrameState& state, const FrameState* before, const std::vector<std::uint32_t>& matches);
 
 /// @param before  as given to to_state.
-std::vector<std::byte> encode_frame(const FrameState& state, const FrameState* before, const Format& format,
-                                    StreamWriter& streams);
+/// @param state   its models are set; else it is not changed.
+std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before, const Format& format);
 
 FramePrefix read_prefix(std::span<const std::byte> payload);
 
 /// Decodes a payload that may be hostile; all that it returns is sound.
 /// @param before  the frame before in the file; may be null for a keyframe.
 /// @throws Malformed or Error{kInput}.
-FrameState decode_frame(std::span<const std::byte> payload, const FrameState* before, const Format& format,
-                        StreamReader& streams);
+FrameState decode_frame(std::span<const std::byte> payload, const FrameState* before, const Format& format);
 
 }  // namespace knotreel::document

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "document/conquest.h"
+#include "document/frame_models.h"
 #include "knotreel/document/frame_model.h"
 #include "knotreel/document/sequence_info.h"
 #include "knotreel/spline/space.h"
@@ -18,15 +19,16 @@ using mesh::KnotKind;
 
 inline constexpr int kMinKnotBits = 0;
 inline constexpr int kMaxKnotBits = 14;
+inline constexpr std::int64_t kMaxColourUnit = 255;
 inline constexpr std::int64_t kSegmentUnit = 65536;  ///< the whole length of a feature segment
-inline constexpr double kColourUnits = 256;          ///< per level: resolution of the colour step
+inline constexpr double kColourUnits = 512;          ///< per level: resolution of the colour step
 inline constexpr double kDisplacementUnits = 4096;   ///< per pixel: resolution of the displacement step
 inline constexpr std::int64_t kMaxControl = std::int64_t{1} << 31;  ///< bound of quantised control values
 
 /// What the header chunk says: how to read the integers of all frames.
 struct Format {
   SequenceInfo info;
-  std::uint32_t colour_step = 0;        ///< in 1/256 level, 1 to 65535
+  std::uint32_t colour_step = 0;        ///< in 1/512 level, 1 to 65535
   std::uint32_t displacement_step = 0;  ///< in 1/4096 px, 1 to 65535
 
   double colour_scale() const { return colour_step / kColourUnits; }
@@ -60,9 +62,11 @@ struct FrameState {
   KnotGrid grid;
   std::shared_ptr<const spline::SplineSpace> space;
   std::vector<std::int64_t> displacement;  ///< two per geometry group, in steps
+  std::int64_t colour_unit = 1;            ///< all colours are multiples of this
   std::vector<std::int64_t> colour;        ///< `channels` per function, in steps
   std::vector<std::uint32_t> function_ids;
   std::uint32_t next_function_id = 0;  ///< of the group, so far
+  FrameModels models;                  ///< of the group, after this frame
 
   const mesh::KnotMesh& mesh() const { return space->mesh(); }
 };

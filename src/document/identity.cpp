@@ -50,9 +50,7 @@ std::uint64_t sector_name(const mesh::KnotMesh& mesh, const mesh::CutMesh& cut, 
 using CornerName = std::pair<std::uint32_t, std::uint64_t>;
 using FunctionName = std::array<CornerName, spline::kMaxDegree>;
 
-std::vector<FunctionName> function_names(const spline::SplineSpace& space) {
-  const mesh::KnotMesh& mesh = space.mesh();
-  const mesh::CutMesh& cut = space.cut();
+std::vector<CornerName> corner_names(const mesh::KnotMesh& mesh, const mesh::CutMesh& cut) {
   std::vector<std::uint32_t> place(mesh.knots.size(), 0);
   for (const mesh::FeatureSegment& s : mesh.segments) {
     for (std::uint32_t i = 1; i + 1 < s.knots.size(); ++i) place[s.knots[i]] = i;
@@ -62,6 +60,11 @@ std::vector<FunctionName> function_names(const spline::SplineSpace& space) {
     corners.emplace_back(static_cast<std::uint32_t>(mesh.knots[cut.corners[c].knot].id),
                          sector_name(mesh, cut, c, place));
   }
+  return corners;
+}
+
+std::vector<FunctionName> function_names(const spline::SplineSpace& space) {
+  const std::vector<CornerName> corners = corner_names(space.mesh(), space.cut());
   std::vector<FunctionName> names;
   names.reserve(space.function_count());
   for (const spline::Function& f : space.functions()) {
@@ -111,6 +114,11 @@ std::vector<std::uint32_t> match_knots(const mesh::KnotMesh& mesh, const mesh::K
     return result;
   };
   return match_names(ids(mesh), ids(before));
+}
+
+std::vector<std::uint32_t> match_corners(const mesh::KnotMesh& mesh, const mesh::CutMesh& cut,
+                                         const mesh::KnotMesh& mesh_before, const mesh::CutMesh& cut_before) {
+  return match_names(corner_names(mesh, cut), corner_names(mesh_before, cut_before));
 }
 
 std::vector<std::uint32_t> match_functions(const spline::SplineSpace& space,

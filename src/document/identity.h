@@ -23,6 +23,10 @@ Matches identity(const FrameState& state);
 /// Knots with the same id.
 std::vector<std::uint32_t> match_knots(const mesh::KnotMesh& mesh, const mesh::KnotMesh& before);
 
+/// Corners of the same knot that are the same sector around it.
+std::vector<std::uint32_t> match_corners(const mesh::KnotMesh& mesh, const mesh::CutMesh& cut,
+                                         const mesh::KnotMesh& mesh_before, const mesh::CutMesh& cut_before);
+
 /// Functions with the same I, as knot ids and the sectors around them.
 std::vector<std::uint32_t> match_functions(const spline::SplineSpace& space,
                                            const spline::SplineSpace& before);

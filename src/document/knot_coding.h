@@ -7,7 +7,7 @@
 #include "document/conquest.h"
 #include "document/frame_state.h"
 #include "document/identity.h"
-#include "document/residuals.h"
+#include "document/residual_coding.h"
 
 /// Knot positions as differences from predictions (docs/format.md, "Positions").
 namespace knotreel::document {
@@ -41,6 +41,8 @@ class PreviousKnots {
     const bool was_segment = before_->mesh().knots[matches_[k]].kind == KnotKind::kSegment;
     return was_segment == (kind == KnotKind::kSegment) ? &matches_[k] : nullptr;
   }
+  bool matched(KnotIndex k) const { return before_ && matches_[k] != kNoMatch; }
+  std::uint32_t matched_index(KnotIndex k) const { return matches_[k]; }
   /// Its place on today's grid.
   GridPoint point(std::uint32_t match) const {
     const GridPoint p = before_->grid.points[match];
@@ -50,7 +52,8 @@ class PreviousKnots {
 
  private:
   std::int64_t scaled(std::int64_t v) const {
-    return shift_ >= 0 ? v * (std::int64_t{1} << shift_) : v >> -shift_;
+    if (shift_ >= 0) return v * (std::int64_t{1} << shift_);
+    return (v + (std::int64_t{1} << -shift_) / 2) >> -shift_;
   }
 
   const FrameState* before_;
@@ -58,11 +61,13 @@ class PreviousKnots {
   int shift_;
 };
 
-template <class Residuals>
+template <class Coder>
 class KnotCoding {
  public:
-  KnotCoding(Residuals& residuals, const KnotLayout& layout, const PreviousKnots& previous, KnotGrid& grid)
-      : residuals_(residuals),
+  KnotCoding(Coder& coder, PositionModels& models, const KnotLayout& layout, const PreviousKnots& previous,
+             KnotGrid& grid)
+      : coder_(coder),
+        models_(models),
         layout_(layout),
         previous_(previous),
         grid_(grid),
@@ -94,6 +99,7 @@ class KnotCoding {
   }
 
   void border() {
+    Around around;
     for (int side = 0; side < 4; ++side) {
       const auto i = static_cast<std::size_t>(side);
       const KnotIndex first = layout_.domain_corners[i];
@@ -104,13 +110,17 @@ class KnotCoding {
       for (KnotIndex k = first + 1; k < end; ++k) {
         std::int64_t s = along(side, grid_.points[k]);
         std::int64_t prediction = last + (length - last) / (end - k + 1);
+        bool old = false;
         if (const auto* match = previous_.match(k, KnotKind::kBorder)) {
           // A knot that left its side is taken for new.
           const GridPoint before = previous_.point(*match);
           const std::int64_t t = along(side, before);
-          if (before == on_side(side, t)) prediction = t;
+          if (before == on_side(side, t)) {
+            prediction = t;
+            old = true;
+          }
         }
-        residuals_.code(stream::kBorder, s, prediction);
+        around = latest(code_residual(coder_, models_.border[old ? 1 : 0], around, s, prediction));
         last = s;
         grid_.points[k] = on_side(side, s);
         require_inside(grid_.points[k]);
@@ -125,19 +135,23 @@ class KnotCoding {
       if (neighbour[s.knots.back()] == kNoKnot) neighbour[s.knots.back()] = s.knots.front();
     }
     GridPoint last{width_ / 2, height_ / 2};
+    Around around;
     for (KnotIndex k = layout_.border_count; k < layout_.mesh.knots.size(); ++k) {
       if (layout_.mesh.knots[k].kind != KnotKind::kVertex) continue;
       GridPoint prediction = neighbour[k] != kNoKnot ? grid_.points[neighbour[k]] : last;
-      if (const auto* match = previous_.match(k, KnotKind::kVertex)) prediction = previous_.point(*match);
+      const auto* match = previous_.match(k, KnotKind::kVertex);
+      if (match) prediction = previous_.point(*match);
       GridPoint& p = grid_.points[k];
-      residuals_.code(stream::kVertex, p.x, prediction.x);
-      residuals_.code(stream::kVertex, p.y, prediction.y);
+      ResidualModels& models = models_.vertex[match ? 1 : 0];
+      around = latest(code_residual(coder_, models, around, p.x, prediction.x));
+      around = latest(code_residual(coder_, models, around, p.y, prediction.y));
       require_inside(p);
       last = p;
     }
   }
 
   void segments() {
+    Around around;
     for (const mesh::FeatureSegment& s : layout_.mesh.segments) {
       const GridPoint a = grid_.points[s.knots.front()];
       const GridPoint b = grid_.points[s.knots.back()];
@@ -146,10 +160,10 @@ class KnotCoding {
         const KnotIndex k = s.knots[i];
         const auto left = static_cast<std::int64_t>(s.knots.size() - i);
         std::int64_t prediction = last + (kSegmentUnit - last) / left;
-        if (const auto* match = previous_.match(k, KnotKind::kSegment))
-          prediction = previous_.parameter(*match);
+        const auto* match = previous_.match(k, KnotKind::kSegment);
+        if (match) prediction = previous_.parameter(*match);
         std::int64_t& t = grid_.parameters[k];
-        residuals_.code(stream::kParameter, t, prediction);
+        around = latest(code_residual(coder_, models_.parameter[match ? 1 : 0], around, t, prediction));
         if (t <= last || t >= kSegmentUnit) malformed("the knots of a segment are out of order");
         last = t;
         grid_.points[k] = {a.x + ((t * (b.x - a.x)) >> 16), a.y + ((t * (b.y - a.y)) >> 16)};
@@ -158,15 +172,70 @@ class KnotCoding {
   }
 
   void free_knots() {
+    const std::size_t inside = layout_.discoveries.size();
+    moves_.assign(layout_.border_count + inside, {});
+    for (KnotIndex k = 0; k < layout_.mesh.knots.size(); ++k) {
+      if (layout_.mesh.knots[k].kind != KnotKind::kFree && previous_.matched(k)) set_move(k);
+    }
+    sizes_.resize(moves_.size());
     for (KnotIndex k = layout_.border_count; k < layout_.mesh.knots.size(); ++k) {
       if (layout_.mesh.knots[k].kind != KnotKind::kFree) continue;
-      GridPoint prediction = across(layout_.discoveries[k - layout_.border_count]);
-      if (const auto* match = previous_.match(k, KnotKind::kFree)) prediction = previous_.point(*match);
+      const Discovery& d = layout_.discoveries[k - layout_.border_count];
+      const auto* match = previous_.match(k, KnotKind::kFree);
+      const GridPoint prediction = match ? carried(previous_.point(*match), d) : across(d);
+      Around around_x;
+      Around around_y;
+      for (const KnotIndex gate : {d.a, d.b, d.behind}) {
+        if (gate == kNoKnot) continue;
+        around_x.add(sizes_[gate][0]);
+        around_y.add(sizes_[gate][1]);
+      }
       GridPoint& p = grid_.points[k];
-      residuals_.code(stream::kFreeX, p.x, prediction.x);
-      residuals_.code(stream::kFreeY, p.y, prediction.y);
+      auto& models = models_.free[match ? 1 : 0];
+      const std::int64_t x = code_residual(coder_, models[0], around_x, p.x, prediction.x);
+      around_y.size += x < 0 ? -x : x;
+      ++around_y.count;
+      const std::int64_t y = code_residual(coder_, models[1], around_y, p.y, prediction.y);
       require_inside(p);
+      if (match) {
+        sizes_[k][0].add(x);
+        sizes_[k][1].add(y);
+        set_move(k);
+      }
     }
+  }
+
+  static Around latest(std::int64_t difference) {
+    Around around;
+    around.add(difference);
+    return around;
+  }
+
+  /// How a knot has moved since the frame before.
+  struct Move {
+    bool known = false;
+    std::int64_t x = 0;
+    std::int64_t y = 0;
+  };
+
+  void set_move(KnotIndex k) {
+    const GridPoint before = previous_.point(previous_.matched_index(k));
+    moves_[k] = {true, grid_.points[k].x - before.x, grid_.points[k].y - before.y};
+  }
+
+  /// A place moved like the knots around the gate.
+  GridPoint carried(GridPoint p, const Discovery& d) const {
+    Move sum;
+    std::int64_t count = 0;
+    for (const KnotIndex k : {d.a, d.b, d.behind}) {
+      if (k == kNoKnot || !moves_[k].known) continue;
+      sum.x += moves_[k].x;
+      sum.y += moves_[k].y;
+      ++count;
+    }
+    if (count == 0) return p;
+    return clamped(
+        {p.x + floor_div(2 * sum.x + count, 2 * count), p.y + floor_div(2 * sum.y + count, 2 * count)});
   }
 
   /// The fourth corner of a parallelogram over the gate; at the border, that of an equilateral triangle,
@@ -189,12 +258,15 @@ class KnotCoding {
     if (!(clamped(p) == p)) malformed("a knot lies outside the domain");
   }
 
-  Residuals& residuals_;
+  Coder& coder_;
+  PositionModels& models_;
   const KnotLayout& layout_;
   const PreviousKnots& previous_;
   KnotGrid& grid_;
   std::int64_t width_;
   std::int64_t height_;
+  std::vector<Move> moves_;                   ///< by knot
+  std::vector<std::array<Around, 2>> sizes_;  ///< by free knot: its differences in x and y
 };
 
 }  // namespace knotreel::document

@@ -77,7 +77,8 @@ KnotGrid quantise_knots(CanonicalMesh& numbering, int least_bits) {
 
 std::int64_t quantise(double value, double step, const char* what) {
   const double q = value / step;
-  if (!(std::abs(q) < static_cast<double>(kMaxControl))) {
+  // Colours are stored as multiples of a unit, which must not lead beyond the bound.
+  if (!(std::abs(q) < static_cast<double>(kMaxControl / kMaxColourUnit))) {
     throw Error(ErrorKind::kInvalidArgument,
                 std::string("cannot store a frame: a ") + what + " is out of range");
   }

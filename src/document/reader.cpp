@@ -45,7 +45,7 @@ bool Reader::complete() const {
   return impl_->file.complete();
 }
 double Reader::colour_tolerance() const {
-  return impl_->file.format().colour_scale() / 2;
+  return impl_->file.format().colour_scale();  // keyframes have twice the step of the file
 }
 double Reader::displacement_tolerance() const {
   return impl_->file.format().displacement_scale() / 2;

@@ -4,32 +4,30 @@
 #include <cstdint>
 #include <vector>
 
-#include "document/bytes.h"
+#include "document/arithmetic.h"
 #include "document/conquest.h"
+#include "document/frame_models.h"
 #include "document/frame_state.h"
-#include "document/streams.h"
 
-/// Everything about a frame that is not a position or a control point (docs/format.md, "Topology").
+/// Everything about a frame that is not a position, a link or a control point (docs/format.md, "Topology").
 namespace knotreel::document {
 
-/// A mesh without positions, and the choices in its links.
+/// A mesh without positions.
 struct Topology {
   mesh::KnotMesh mesh;  ///< canonical; width, height and positions not set
   std::vector<Discovery> discoveries;
   KnotIndex border_count = 0;
   std::array<KnotIndex, 4> domain_corners{};
-  std::vector<std::uint16_t> link_codes;
+  std::vector<std::uint32_t> matches;  ///< with the frame before, see match_knots; kNoMatch in a keyframe
 };
 
-/// @param knots_before  of the frame before, null for a keyframe: ids refer to them.
-void write_topology(const mesh::KnotMesh& mesh, const Conquest& conquest,
-                    const std::array<KnotIndex, 4>& domain_corners,
-                    const std::vector<std::uint16_t>& link_codes, const mesh::KnotMesh* knots_before,
-                    StreamWriter& streams, ByteWriter& out);
+/// @param before  null for a keyframe.
+void write_topology(const Topology& topology, const FrameState* before, TopologyModels& models,
+                    ArithmeticWriter& out);
 
 /// @param most_knots  a frame with more is Malformed: keeps memory in proportion to the file.
 /// @return indices are in range, but the mesh may have defects: call mesh::find_defect when it has positions.
-Topology read_topology(std::size_t most_knots, const mesh::KnotMesh* knots_before, StreamReader& streams,
-                       ByteReader& in);
+Topology read_topology(std::size_t most_knots, const FrameState* before, TopologyModels& models,
+                       ArithmeticReader& in);
 
 }  // namespace knotreel::document

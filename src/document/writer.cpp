@@ -1,5 +1,6 @@
 #include "knotreel/document/writer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <fstream>
 #include <optional>
@@ -13,6 +14,17 @@
 
 namespace knotreel::document {
 namespace {
+
+// The step of the file is half that of keyframes, so that deltas can have steps of one and a half.
+constexpr std::int64_t kKeyframeUnit = 2;
+
+std::int64_t delta_unit(const EncodeOptions& options) {
+  const double unit = std::round(kKeyframeUnit * options.delta_coarseness);
+  if (!(unit >= 1 && unit <= kMaxColourUnit)) {
+    throw Error(ErrorKind::kInvalidArgument, "the coarseness of deltas of a document is out of range");
+  }
+  return static_cast<std::int64_t>(unit);
+}
 
 std::uint32_t units(double step, double per_unit, const char* name) {
   const double n = std::round(step * per_unit);
@@ -28,10 +40,10 @@ Format make_format(SequenceInfo info, const EncodeOptions& options) {
   if (options.knot_bits < kMinKnotBits || options.knot_bits > kMaxKnotBits) {
     throw Error(ErrorKind::kInvalidArgument, "the knot bits of a document are 0 to 14");
   }
-  if (options.zstd_level < 1 || options.zstd_level > 22) {
-    throw Error(ErrorKind::kInvalidArgument, "the zstd level of a document is 1 to 22");
+  if (options.delta_knot_bits < kMinKnotBits || options.delta_knot_bits > kMaxKnotBits) {
+    throw Error(ErrorKind::kInvalidArgument, "the knot bits of a document are 0 to 14");
   }
-  return {std::move(info), units(options.colour_step, kColourUnits, "colour"),
+  return {std::move(info), units(options.colour_step, kColourUnits / kKeyframeUnit, "colour"),
           units(options.displacement_step, kDisplacementUnits, "displacement")};
 }
 
@@ -42,8 +54,8 @@ class Writer::Impl {
   /// @param out  null to write to `path`.
   Impl(std::ostream* out, std::filesystem::path path, SequenceInfo info, const EncodeOptions& options)
       : format_(make_format(std::move(info), options)),
-        quantise_{options.knot_bits, options.rename_knots},
-        streams_(options.zstd_level),
+        keyframes_{options.knot_bits, kKeyframeUnit, options.rename_knots},
+        deltas_{std::min(options.knot_bits, options.delta_knot_bits), delta_unit(options), false},
         path_(std::move(path)) {
     if (!out) {
       part_ = path_;
@@ -60,9 +72,8 @@ class Writer::Impl {
   FrameModel append(const FrameModel& model) {
     require_open();
     const FrameState* before = state_ && !model.keyframe ? &*state_ : nullptr;
-    FrameState state = to_state(model, before, format_, quantise_);
-    const std::vector<std::byte> bytes =
-        chunk(ChunkType::kFrame, encode_frame(state, before, format_, streams_));
+    FrameState state = to_state(model, before, format_, before ? deltas_ : keyframes_);
+    const std::vector<std::byte> bytes = chunk(ChunkType::kFrame, encode_frame(state, before, format_));
     const FrameRecord record{position_, bytes.size(), state.frame, state.pts, state.keyframe};
     put(bytes);
     flush();
@@ -110,8 +121,8 @@ class Writer::Impl {
   }
 
   Format format_;
-  QuantiseOptions quantise_;
-  StreamWriter streams_;
+  QuantiseOptions keyframes_;
+  QuantiseOptions deltas_;
   std::filesystem::path path_;
   std::filesystem::path part_;  ///< empty when writing to a stream
   std::ofstream file_;

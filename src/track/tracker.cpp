@@ -257,10 +257,25 @@ class Tracker::Impl {
     pixels.image = &wanted;
     fit::ColourFitOptions colour = cold_.colour;
     colour.find_residual = false;
-    colours_ = fit::fit_colours(values, pixels, colour);
+    colours_ = fit::fit_colours(values, pixels, colour, colours_before());
     hold_colours();
     keep_residual(values);
     lap("colours");
+  }
+
+  /// Control points that are still there, with the colour that they had.
+  fit::ColourPrior colours_before() const {
+    fit::ColourPrior known{{}, options_.inertia};
+    if (!frame_before_.space || known.share <= 0) return known;
+    const std::vector<std::uint32_t> match = match_functions(*frame_before_.space, *space_);
+    const auto channels = frame_before_.control.size() / frame_before_.space->function_count();
+    known.control.assign(match.size() * channels, std::nan(""));
+    for (std::size_t f = 0; f < match.size(); ++f) {
+      if (match[f] == kNoMatch) continue;
+      std::copy_n(frame_before_.control.begin() + static_cast<std::ptrdiff_t>(match[f] * channels), channels,
+                  known.control.begin() + static_cast<std::ptrdiff_t>(f * channels));
+    }
+    return known;
   }
 
   /// Control points whose colour hardly changes keep that of the frame before: less to store, less to

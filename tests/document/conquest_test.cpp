@@ -6,25 +6,37 @@
 
 #include "document/bytes.h"
 #include "document/canonical.h"
+#include "document/identity.h"
 #include "document/sample_models.h"
+#include "document/topology_coding.h"
 #include "support/mesh_cases.h"
 
 namespace knotreel::document {
 namespace {
 
-TEST(Conquest, ReplayGivesTheSameFaces) {
+Topology topology_of(const CanonicalMesh& canonical) {
+  return {canonical.mesh, canonical.conquest.discoveries, canonical.border_count, canonical.domain_corners,
+          std::vector<std::uint32_t>(canonical.mesh.knots.size(), kNoMatch)};
+}
+
+TEST(Conquest, ReadingGivesTheSameTopology) {
   auto cases = testing::corpus_cases();
   for (auto& c : testing::random_cases(3, 100)) cases.push_back(std::move(c));
   cases.push_back({"large", testing::random_mesh(640, 480, 5000, 20, 1)});
   for (const testing::MeshCase& c : cases) {
     SCOPED_TRACE(c.name);
     const CanonicalMesh canonical = canonical_mesh(c.mesh);
-    Symbols<std::uint8_t> steps(canonical.conquest.steps);
-    Symbols<std::uint64_t> splits(canonical.conquest.splits);
-    const Conquest again = replay(c.mesh.knots.size(), canonical.border_count, steps, splits);
-    EXPECT_EQ(again.faces, canonical.conquest.faces);
-    EXPECT_TRUE(steps.used_up());
-    EXPECT_TRUE(splits.used_up());
+    ArithmeticWriter out;
+    TopologyModels written;
+    write_topology(topology_of(canonical), nullptr, written, out);
+    const std::vector<std::byte> bytes = out.finish();
+    ArithmeticReader in(bytes);
+    TopologyModels read;
+    const Topology again = read_topology(c.mesh.knots.size(), nullptr, read, in);
+    EXPECT_EQ(again.mesh.faces, canonical.conquest.faces);
+    EXPECT_EQ(again.border_count, canonical.border_count);
+    EXPECT_EQ(again.domain_corners, canonical.domain_corners);
+    EXPECT_NO_THROW(in.require_end());
     EXPECT_FALSE(mesh::find_defect(canonical.mesh));
   }
 }
@@ -34,7 +46,7 @@ TEST(Conquest, NumbersACanonicalMeshTheSameWay) {
     const CanonicalMesh once = canonical_mesh(c.mesh);
     const CanonicalMesh twice = canonical_mesh(once.mesh);
     EXPECT_EQ(twice.mesh.faces, once.mesh.faces);
-    EXPECT_EQ(twice.conquest.steps, once.conquest.steps);
+    EXPECT_EQ(twice.conquest.faces, once.conquest.faces);
     for (KnotIndex k = 0; k < twice.knot_of.size(); ++k) EXPECT_EQ(twice.knot_of[k], k);
   }
 }
@@ -54,22 +66,20 @@ TEST(Conquest, RefusesASplitTheLongWayRound) {
   EXPECT_THROW(split(~0ull), Malformed);
 }
 
-TEST(Conquest, RandomSymbolsEndInAMeshOrInMalformed) {
+TEST(Conquest, RandomBytesEndInAMeshOrInMalformed) {
   std::mt19937_64 random(5);
   int meshes = 0;
   for (int i = 0; i < 100000; ++i) {
-    const std::size_t border = 4 + random() % 8;
-    const std::size_t knots = border + random() % 8;
-    std::vector<std::uint8_t> symbols(2 * knots);
-    std::vector<std::uint64_t> offsets(8);
-    for (auto& s : symbols) s = static_cast<std::uint8_t>(random() % 4);
-    for (auto& o : offsets) o = random() % 4;
-    Symbols<std::uint8_t> steps(symbols);
-    Symbols<std::uint64_t> splits(offsets);
+    std::vector<std::byte> bytes(random() % 24);
+    for (std::byte& b : bytes) b = static_cast<std::byte>(random());
+    ArithmeticReader in(bytes);
+    TopologyModels models;
     try {
-      const Conquest c = replay(knots, border, steps, splits);
-      ASSERT_EQ(c.faces.size(), 2 * knots - border - 2);
-      for (const Face& f : c.faces) {
+      const Topology t = read_topology(40, nullptr, models, in);
+      const std::size_t knots = t.mesh.knots.size();
+      ASSERT_LE(knots, 40u);
+      ASSERT_EQ(t.mesh.faces.size(), 2 * knots - t.border_count - 2);
+      for (const Face& f : t.mesh.faces) {
         for (const KnotIndex k : f) ASSERT_LT(k, knots);
       }
       ++meshes;

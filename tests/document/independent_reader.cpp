@@ -1,7 +1,5 @@
 #include "document/independent_reader.h"
 
-#include <zstd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -18,11 +16,7 @@ void require(bool holds, const std::string& what) {
   if (!holds) throw std::runtime_error("independent reader: " + what);
 }
 
-Integer signed_of(std::uint64_t u) {
-  return u % 2 == 0 ? static_cast<Integer>(u / 2) : -static_cast<Integer>(u / 2) - 1;
-}
-
-// --- Section 1: numbers and streams
+// --- Section 1: numbers
 
 struct Input {
   const std::vector<std::uint8_t>& bytes;
@@ -49,52 +43,106 @@ struct Input {
   int count() { return static_cast<int>(varint()); }
 };
 
-struct Stream {
-  std::vector<std::uint64_t> values;
-  std::size_t at = 0;
-  std::uint64_t next() { return at < values.size() ? values[at++] : 0; }
-  Integer next_signed() { return signed_of(next()); }
+struct Bit {
+  int one = 32768;
+  int seen = 0;
 };
 
-Stream byte_stream(Input& in) {
-  Stream s;
-  if (in.at == in.end) return s;
-  const std::size_t count = in.varint();
-  if (count == 0) return s;
-  const std::size_t stored = in.varint();
-  std::vector<std::uint8_t> symbols(count);
-  if (stored == count) {
-    for (auto& b : symbols) b = in.u8();
-  } else {
-    std::vector<std::uint8_t> packed{0x28, 0xB5, 0x2F, 0xFD};
-    for (std::size_t i = 0; i < stored; ++i) packed.push_back(in.u8());
-    require(ZSTD_decompress(symbols.data(), count, packed.data(), packed.size()) == count, "zstd");
+/// Coded bits.
+struct Coded {
+  Input& in;
+  std::uint32_t low = 0;
+  std::uint32_t high = 0xffffffff;
+  std::uint32_t code = 0;
+
+  explicit Coded(Input& input) : in(input) {
+    for (int i = 0; i < 4; ++i) shift_in();
   }
-  s.values.assign(symbols.begin(), symbols.end());
-  return s;
+  void shift_in() { code = code * 256 + (in.at < in.end ? in.bytes[in.at++] : 0); }
+  bool cut(int one) {
+    const std::uint32_t middle =
+        low + static_cast<std::uint32_t>(std::uint64_t{high - low} * static_cast<std::uint64_t>(one) / 65536);
+    const bool bit = code <= middle;
+    (bit ? high : low) = bit ? middle : middle + 1;
+    while (low >> 24 == high >> 24) {
+      low <<= 8;
+      high = high * 256 + 255;
+      shift_in();
+    }
+    return bit;
+  }
+  bool bit(Bit& m) {
+    const bool b = cut(m.one);
+    m.one += 2 * ((b ? 65512 : 24) - m.one) / (2 * m.seen + 3);
+    m.seen = std::min(m.seen + 1, 160);
+    return b;
+  }
+};
+
+std::size_t size_class(std::uint64_t v) {
+  if (v < 4) return static_cast<std::size_t>(v);
+  std::size_t e = 0;
+  while (v >= 4) {
+    v /= 2;
+    ++e;
+  }
+  return 2 * e + static_cast<std::size_t>(v);
 }
 
-Stream integer_stream(Input& in) {
-  Stream tokens = byte_stream(in);
-  std::uint8_t byte = 0;
-  int left = 0;
-  for (std::uint64_t& t : tokens.values) {
-    if (t < 32) continue;
-    const std::uint64_t e = 3 + (t - 32) / 4;
-    std::uint64_t extra = 0;
-    for (std::uint64_t i = 0; i < e; ++i) {
-      if (left == 0) {
-        byte = in.u8();
-        left = 8;
-      }
-      extra |= std::uint64_t{byte & 1u} << i;
-      byte >>= 1;
-      --left;
-    }
-    t = ((4 + (t - 32) % 4) << e) + extra;
+struct Number {
+  std::array<Bit, 24> larger;
+
+  std::uint64_t read(Coded& in) {
+    std::size_t c = 0;
+    while (in.bit(larger[std::min<std::size_t>(c, 23)])) require(++c <= 121, "a number without end");
+    if (c < 4) return c;
+    std::uint64_t v = 2 + c % 2;
+    for (std::size_t i = 1; i < c / 2; ++i) v = 2 * v + (in.cut(32768) ? 1 : 0);
+    return v;
   }
-  return tokens;
-}
+};
+
+struct Signed {
+  Number magnitude;
+  Bit negative;
+
+  Integer read(Coded& in) {
+    const auto v = static_cast<Integer>(magnitude.read(in));
+    return v != 0 && in.bit(negative) ? -v : v;
+  }
+};
+
+/// Differences seen so far near the next one.
+struct Around {
+  Integer sum = 0;
+  Integer size = 0;
+  Integer count = 0;
+  void add(Integer d) {
+    sum += d;
+    size += std::abs(d);
+    ++count;
+  }
+  void add(const Around& other) {
+    sum += other.sum;
+    size += other.size;
+    count += other.count;
+  }
+};
+
+struct Difference {
+  std::array<Number, 14> magnitude;
+  std::array<Bit, 3> negative;
+
+  Integer read(Coded& in, const Around& around) {
+    std::size_t size = 13;
+    if (around.count > 0) {
+      size =
+          std::min<std::size_t>(12, size_class(static_cast<std::uint64_t>(2 * around.size / around.count)));
+    }
+    const auto v = static_cast<Integer>(magnitude[size].read(in));
+    return v != 0 && in.bit(negative[around.sum == 0 ? 0 : around.sum > 0 ? 1 : 2]) ? -v : v;
+  }
+};
 
 // --- Section 4: topology
 
@@ -108,10 +156,21 @@ struct Topology {
   std::vector<Gate> found_at;  // of knot border + i
   enum Kind { kFree, kBorder, kSegment, kVertex };
   std::vector<Kind> kind;
-  Stream link_codes;
 };
 
-void read_faces(int knots, Topology& t, Stream steps, Stream splits, std::vector<std::array<int, 3>>& faces) {
+void read_id(Coded& in, Signed& id, IndependentModel& model) {
+  const Integer expected = model.ids.empty() ? 0 : Integer{model.ids.back()} + 1;
+  model.ids.push_back(static_cast<std::uint32_t>(expected + id.read(in)));
+}
+
+void read_faces(int knots, Topology& t, Coded& in, IndependentModel& model, Signed& id) {
+  struct Steps {
+    Bit found, right, left;
+  };
+  std::array<Steps, 16> models;  // by the last two steps
+  Number split;
+  std::size_t last = 0;
+  std::vector<std::array<int, 3>>& faces = model.faces;
   // A loop begins with its gate: knots[0], knots[1]; behind[i] belongs to the edge from knots[i] to the next.
   struct Loop {
     std::vector<int> knots;
@@ -123,10 +182,10 @@ void read_faces(int knots, Topology& t, Stream steps, Stream splits, std::vector
     stack[0].behind.push_back(-1);
   }
   int next = t.border;
-  std::uint64_t packed = 0;
-  for (int count = 0; !stack.empty(); ++count) {
-    if (count % 3 == 0) packed = steps.next();
-    const auto step = (packed >> (2 * (count % 3))) & 3;
+  while (!stack.empty()) {
+    Steps& m = models[last];
+    const std::size_t step = in.bit(m.found) ? 0 : in.bit(m.right) ? 1 : in.bit(m.left) ? 2 : 3;
+    last = (4 * last + step) % 16;
     Loop& loop = stack.back();
     std::vector<int>& k = loop.knots;
     std::vector<int>& behind = loop.behind;
@@ -136,6 +195,7 @@ void read_faces(int knots, Topology& t, Stream steps, Stream splits, std::vector
     if (step == 0) {
       x = next++;
       t.found_at.push_back({a, b, behind[0]});
+      read_id(in, id, model);
       // a, b, rest  ->  x, b, rest, a
       k[0] = x;
       k.push_back(a);
@@ -158,7 +218,7 @@ void read_faces(int knots, Topology& t, Stream steps, Stream splits, std::vector
       k[0] = x;
       behind[0] = a;
     } else {
-      const std::uint64_t v = splits.next();
+      const std::uint64_t v = split.read(in);
       const std::size_t s = v / 2 + 2;
       const std::size_t place = v % 2 == 0 ? 1 + s : k.size() - s;
       x = k[place];
@@ -182,17 +242,20 @@ void read_faces(int knots, Topology& t, Stream steps, Stream splits, std::vector
   require(next == knots && static_cast<int>(faces.size()) == 2 * knots - t.border - 2, "connectivity");
 }
 
-Topology read_topology(Input& in, IndependentModel& model) {
+Topology read_topology(Coded& in, IndependentModel& model) {
   Topology t;
-  for (int side = 0; side < 4; ++side) {
-    t.domain_corner[static_cast<std::size_t>(side)] = t.border;
-    t.border += 1 + in.count();
+  Signed side_count;
+  Integer count = 0;
+  for (std::size_t side = 0; side < 4; ++side) {
+    t.domain_corner[side] = t.border;
+    count += side_count.read(in);
+    t.border += 1 + static_cast<int>(count);
   }
-  const int knots = t.border + in.count();
-  const int segments = in.count();
-  Stream steps = byte_stream(in);
-  Stream splits = integer_stream(in);
-  read_faces(knots, t, steps, splits, model.faces);
+  Signed id;
+  for (int k = 0; k < t.border; ++k) read_id(in, id, model);
+  Number fresh_count;
+  const int knots = t.border + static_cast<int>(fresh_count.read(in));
+  read_faces(knots, t, in, model, id);
 
   std::vector<std::set<int>> neighbours(static_cast<std::size_t>(knots));
   for (const auto& f : model.faces) {
@@ -202,12 +265,14 @@ Topology read_topology(Input& in, IndependentModel& model) {
       }
     }
   }
-  Stream symbols = integer_stream(in);
+  Number segment_count;
+  Number segment_first;
+  Number segment_next;
   int first = 0;
-  for (int s = 0; s < segments; ++s) {
-    first += static_cast<int>(symbols.next());
+  for (auto left = segment_count.read(in); left > 0; --left) {
+    first += static_cast<int>(segment_first.read(in));
     std::vector<int> path{first};
-    for (auto rank = symbols.next(); rank != 0; rank = symbols.next()) {
+    for (auto rank = segment_next.read(in); rank != 0; rank = segment_next.read(in)) {
       path.push_back(*std::next(neighbours[static_cast<std::size_t>(path.back())].begin(),
                                 static_cast<std::ptrdiff_t>(rank) - 1));
     }
@@ -225,15 +290,6 @@ Topology read_topology(Input& in, IndependentModel& model) {
         Topology::kVertex;
   }
   for (const int k : t.domain_corner) t.kind[static_cast<std::size_t>(k)] = Topology::kVertex;
-
-  Stream ids = integer_stream(in);
-  Integer expected = 0;
-  for (int k = 0; k < knots; ++k) {
-    model.ids.push_back(static_cast<std::uint32_t>(expected + ids.next_signed()));
-    expected = Integer{model.ids.back()} + 1;
-  }
-  in.varint();  // the number of link codes, for readers that want to check
-  t.link_codes = integer_stream(in);
   return t;
 }
 
@@ -247,12 +303,19 @@ Integer floor_div(Integer a, Integer b) {
   return a / b - (a % b < 0 ? 1 : 0);
 }
 
-void read_positions(Input& in, int bits, const Topology& t, IndependentModel& model) {
-  Stream border = integer_stream(in);
-  Stream vertex = integer_stream(in);
-  Stream parameter = integer_stream(in);
-  Stream free_x = integer_stream(in);
-  Stream free_y = integer_stream(in);
+void read_positions(Coded& in, int bits, const Topology& t, IndependentModel& model) {
+  Difference border;
+  Difference vertex;
+  Difference parameter;
+  Difference free_x;
+  Difference free_y;
+  Around latest;
+  const auto next = [&](Difference& model_of) {
+    const Integer d = model_of.read(in, latest);
+    latest = {};
+    latest.add(d);
+    return d;
+  };
   const Integer w = Integer{model.width} << bits;
   const Integer h = Integer{model.height} << bits;
   const std::size_t knots = t.kind.size();
@@ -265,13 +328,14 @@ void read_positions(Input& in, int bits, const Topology& t, IndependentModel& mo
     Integer last = 0;
     for (int k = t.domain_corner[side]; k < end; ++k) {
       Integer s = 0;
-      if (k > t.domain_corner[side]) s = last + floor_div(length - last, end - k + 1) + border.next_signed();
+      if (k > t.domain_corner[side]) s = last + floor_div(length - last, end - k + 1) + next(border);
       last = s;
       const Grid points[] = {{s, 0}, {w, s}, {w - s, h}, {0, h - s}};
       grid[static_cast<std::size_t>(k)] = points[side];
     }
   }
   Grid last{floor_div(w, 2), floor_div(h, 2)};
+  latest = {};
   for (std::size_t k = static_cast<std::size_t>(t.border); k < knots; ++k) {
     if (t.kind[k] != Topology::kVertex) continue;
     for (const auto& s : model.segments) {
@@ -279,16 +343,17 @@ void read_positions(Input& in, int bits, const Topology& t, IndependentModel& mo
       last = grid[static_cast<std::size_t>(s.front())];
       break;
     }
-    last.x += vertex.next_signed();
-    last.y += vertex.next_signed();
+    last.x += next(vertex);
+    last.y += next(vertex);
     grid[k] = last;
   }
+  latest = {};
   for (const auto& s : model.segments) {
     const Grid a = grid[static_cast<std::size_t>(s.front())];
     const Grid b = grid[static_cast<std::size_t>(s.back())];
     Integer t0 = 0;
     for (std::size_t i = 1; i + 1 < s.size(); ++i) {
-      t0 += floor_div(65536 - t0, static_cast<Integer>(s.size() - i)) + parameter.next_signed();
+      t0 += floor_div(65536 - t0, static_cast<Integer>(s.size() - i)) + next(parameter);
       const auto k = static_cast<std::size_t>(s[i]);
       place[k] = t0;
       grid[k] = {a.x + floor_div(t0 * (b.x - a.x), 65536), a.y + floor_div(t0 * (b.y - a.y), 65536)};
@@ -307,7 +372,12 @@ void read_positions(Input& in, int bits, const Topology& t, IndependentModel& mo
       p = {std::clamp<Integer>(floor_div(a.x + b.x, 2) - floor_div(7 * (b.y - a.y), 8), 0, w),
            std::clamp<Integer>(floor_div(a.y + b.y, 2) + floor_div(7 * (b.x - a.x), 8), 0, h)};
     }
-    grid[k] = {p.x + free_x.next_signed(), p.y + free_y.next_signed()};
+    // No knot around was in a frame before; y only knows of x.
+    const Integer x = free_x.read(in, {});
+    Around beside;
+    beside.size = std::abs(x);
+    beside.count = 1;
+    grid[k] = {p.x + x, p.y + free_y.read(in, beside)};
   }
 
   const double unit = 1.0 / static_cast<double>(1 << bits);
@@ -449,16 +519,25 @@ std::vector<std::vector<int>> loops(std::vector<Edge> edges) {
   return result;
 }
 
-void triangulate(const std::vector<int>& loop, std::size_t i, std::size_t j, Stream& codes,
+struct LinkCodes {
+  Coded& in;
+  std::array<Number, 8> by_span;
+};
+
+void triangulate(const std::vector<int>& loop, std::size_t i, std::size_t j, LinkCodes& codes,
                  const std::vector<int>& inner, Family& family) {
   if (j - i < 2) return;
-  const std::size_t p = i + 1 + (j - i > 2 ? static_cast<std::size_t>(codes.next()) : 0);
+  const std::size_t p =
+      i + 1 +
+      (j - i > 2 ? static_cast<std::size_t>(codes.by_span[std::min<std::size_t>(j - i - 3, 7)].read(codes.in))
+                 : 0);
   family.push_back({{loop[i], loop[p], loop[j]}, inner});
   triangulate(loop, i, p, codes, inner, family);
   triangulate(loop, p, j, codes, inner, family);
 }
 
-void build_functions(Topology& t, IndependentModel& model) {
+void build_functions(Coded& in, const Topology& t, IndependentModel& model) {
+  LinkCodes codes{in, {}};
   Family family;
   for (const auto& f : cut_open(t, model)) family.push_back({f, {}});
   std::vector<bool> multiple;
@@ -480,7 +559,7 @@ void build_functions(Topology& t, IndependentModel& model) {
           for (std::size_t i = 1; i + 1 < loop.size(); ++i)
             next.push_back({{loop[0], loop[i], loop[i + 1]}, j});
         } else {
-          triangulate(loop, 0, loop.size() - 1, t.link_codes, j, next);
+          triangulate(loop, 0, loop.size() - 1, codes, j, next);
         }
       }
     }
@@ -507,8 +586,15 @@ class Means {
     for (Integer& s : sum) s = floor_div(2 * s + n, 2 * n);
     return sum;
   }
-  void add(const std::vector<int>& places, const std::vector<Integer>& v) {
+  Around around(const std::vector<int>& places, std::size_t component) {
+    Around result;
+    for (const int p : places) result.add(differences_[{p, component}]);
+    return result;
+  }
+  void add(const std::vector<int>& places, const std::vector<Integer>& v,
+           const std::vector<Integer>& differences) {
     for (const int p : places) {
+      for (std::size_t i = 0; i < v.size(); ++i) differences_[{p, i}].add(differences[i]);
       sums_[p].resize(v.size(), 0);
       for (std::size_t i = 0; i < v.size(); ++i) sums_[p][i] += v[i];
       ++counts_[p];
@@ -519,15 +605,15 @@ class Means {
  private:
   std::map<int, std::vector<Integer>> sums_;
   std::map<int, Integer> counts_;
+  std::map<std::pair<int, std::size_t>, Around> differences_;
   std::vector<Integer> last_;
 };
 
-void read_control(Input& in, double displacement_step, double colour_step, IndependentModel& model) {
-  Stream dx = integer_stream(in);
-  Stream dy = integer_stream(in);
+void read_control(Coded& in, double displacement_step, double colour_step, Integer unit,
+                  IndependentModel& model) {
+  std::array<Difference, 2> displacements;
   const auto channels = static_cast<std::size_t>(model.channels);
-  std::vector<Stream> colours;
-  for (std::size_t c = 0; c < channels; ++c) colours.push_back(integer_stream(in));
+  std::vector<Difference> colours(channels);
 
   std::map<std::vector<int>, std::vector<Integer>> groups;
   std::vector<std::vector<int>> group_of;
@@ -541,19 +627,28 @@ void read_control(Input& in, double displacement_step, double colour_step, Indep
   Means displacement_means;
   for (auto& [knots, d] : groups) {
     d = displacement_means.predict(knots, 2);
-    d[0] += dx.next_signed();
-    d[1] += dy.next_signed();
-    displacement_means.add(knots, d);
+    std::vector<Integer> differences;
+    for (std::size_t i = 0; i < 2; ++i) {
+      differences.push_back(displacements[i].read(in, displacement_means.around(knots, i)));
+      d[i] += differences[i];
+    }
+    displacement_means.add(knots, d, differences);
   }
   Means colour_means;
   for (std::size_t f = 0; f < model.functions.size(); ++f) {
     std::vector<Integer> v = colour_means.predict(model.functions[f], channels);
-    const Integer g = channels >= 3 ? colours[1].next_signed() : 0;
+    std::vector<Integer> differences(channels);
+    std::vector<std::size_t> order;
+    if (channels >= 3) order.push_back(1);
     for (std::size_t c = 0; c < channels; ++c) {
-      if (channels >= 3 && c < 3) v[c] += g;
-      if (channels < 3 || c != 1) v[c] += colours[c].next_signed();
+      if (channels < 3 || c != 1) order.push_back(c);
     }
-    colour_means.add(model.functions[f], v);
+    for (const std::size_t c : order) {
+      if (channels >= 3 && (c == 0 || c == 2)) v[c] += unit * differences[1];
+      differences[c] = colours[c].read(in, colour_means.around(model.functions[f], c));
+      v[c] = unit * (floor_div(2 * v[c] + unit, 2 * unit) + differences[c]);
+    }
+    colour_means.add(model.functions[f], v, differences);
 
     Point greville{0, 0};
     for (const int c : model.functions[f]) {
@@ -606,7 +701,7 @@ IndependentModel read_independently(const std::vector<std::byte>& file) {
   const std::vector<std::uint8_t> magic{0x89, 'T', 'C', 'B', 0x0D, 0x0A, 0x1A, 0x0A};
   require(std::equal(magic.begin(), magic.end(), bytes.begin()), "magic");
   Input in{bytes, magic.size(), bytes.size()};
-  require(in.fixed(4) == 1, "version");
+  require(in.fixed(4) == 2, "version");
 
   IndependentModel model;
   double colour_step = 0;
@@ -625,17 +720,19 @@ IndependentModel read_independently(const std::vector<std::byte>& file) {
       model.degree = payload.count();
       payload.varint();
       payload.varint();
-      colour_step = static_cast<double>(payload.varint()) / 256;
+      colour_step = static_cast<double>(payload.varint()) / 512;
       displacement_step = static_cast<double>(payload.varint()) / 4096;
     } else if (type == "FRAM") {
       require(payload.u8() == 3, "a keyframe");
       payload.varint();
       payload.varint();
       const int bits = payload.u8();
-      Topology topology = read_topology(payload, model);
-      read_positions(payload, bits, topology, model);
-      build_functions(topology, model);
-      read_control(payload, displacement_step, colour_step, model);
+      const auto unit = static_cast<Integer>(payload.varint());
+      Coded coded(payload);
+      const Topology topology = read_topology(coded, model);
+      read_positions(coded, bits, topology, model);
+      build_functions(coded, topology, model);
+      read_control(coded, displacement_step, colour_step, unit, model);
       return model;
     }
   }

@@ -139,7 +139,9 @@ TEST(Sequence, SidesOfAFeatureKeepTheirNames) {
   };
   paint(model);
   std::ostringstream out;
-  document::Writer writer(out, testing::info_of(model));
+  document::EncodeOptions options;
+  options.delta_coarseness = 1;  // so that a colour stays what it is
+  document::Writer writer(out, testing::info_of(model), options);
   FrameModel stored = writer.append(model);
   int on_features = 0;
   for (int step = 0; step < 8; ++step) {

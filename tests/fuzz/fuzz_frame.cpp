@@ -20,9 +20,8 @@ using namespace knotreel::document;
 
 std::optional<FrameState> decode(std::span<const std::byte> payload, const FrameState* before,
                                  const Format& format) {
-  StreamReader streams;
   try {
-    return decode_frame(payload, before, format, streams);
+    return decode_frame(payload, before, format);
   } catch (const Malformed&) {
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::kInput) throw;
@@ -30,10 +29,8 @@ std::optional<FrameState> decode(std::span<const std::byte> payload, const Frame
   return std::nullopt;
 }
 
-void require_storable(const FrameState& state, const FrameState* before, const Format& format) {
-  StreamWriter writer(1);
-  const std::vector<std::byte> payload =
-      encode_frame(state, state.keyframe ? nullptr : before, format, writer);
+void require_storable(FrameState state, const FrameState* before, const Format& format) {
+  const std::vector<std::byte> payload = encode_frame(state, state.keyframe ? nullptr : before, format);
   const auto again = decode(payload, before, format);
   if (!again || again->colour != state.colour || again->displacement != state.displacement ||
       again->grid.points != state.grid.points || again->function_ids != state.function_ids) {

@@ -50,7 +50,7 @@ class Reader {
   /// False if the file was not finished (cut off, or still being written).
   bool complete() const;
 
-  /// Largest error of a stored control colour (levels) and displacement (pixels, per axis): half a step.
+  /// Largest error of a control colour of a keyframe (levels) and of a displacement (pixels, per axis).
   double colour_tolerance() const;
   double displacement_tolerance() const;
 

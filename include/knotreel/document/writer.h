@@ -14,16 +14,19 @@ namespace knotreel::document {
 struct EncodeOptions {
   /// Knots lie on a grid of 2^-knot_bits px, 0 to 14; a frame whose faces would flip takes a finer one.
   int knot_bits = 6;
+  /// The same for frames that are no keyframes, where coarser. Moved knots cost two bits per halving.
+  int delta_knot_bits = 4;
   /// Of the control colours, in levels of 0..255; 1/256 to 255, taken to the nearest 1/256.
   double colour_step = 2.0;
+  /// Step of the colours in frames that are no keyframes, as a multiple of colour_step: 0.5, 1, 1.5, ...
+  /// 127.5.
+  double delta_coarseness = 1.5;
   /// Of the displacements of geometry control points, in pixels; 1/4096 to 15, taken to the nearest 1/4096.
   double displacement_step = 1 / 16.0;
   /// Give the knots of every keyframe the ids 0, 1, 2, ... in the order of the file, which costs no bytes,
   /// where others cost one to two per knot. For stills, and for encoders that go on from what append()
   /// returns: a later frame of the group must come with those new ids. False keeps all ids as they are.
   bool rename_knots = false;
-  /// 1 (fast) to 22 (small).
-  int zstd_level = 12;
 };
 
 /// Writes a document frame by frame. Not safe to use from several threads.

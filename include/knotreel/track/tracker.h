@@ -26,8 +26,11 @@ struct TrackOptions {
   bool settle = true;             ///< whether knots go on descending on the true residual, a step per frame
   bool optimise_inserted = true;  ///< whether the mesh around new knots is optimised
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
-  double colour_hold = 2;     ///< control points keep colours that change by less, levels ...
-  double hold_share = 0.4;    ///< ... and by less than this share of the MEC of the frame before
+  /// How hard control points are drawn to their colour in the frame before, as a share of what their pixels
+  /// weigh: what pixels hardly decide then stays, for less to store and less flicker.
+  double inertia = 0.02;
+  double colour_hold = 2;   ///< control points keep colours that change by less, levels ...
+  double hold_share = 0.4;  ///< ... and by less than this share of the MEC of the frame before
   CarryOptions carry{};
   SwapOptions swap{};
   /// When a frame is worse than the one before by this, knots are put where the error is at once rather than

@@ -60,7 +60,7 @@ std::size_t default_control_points(std::uint64_t pixels);
 Options preset_options(Preset preset);
 
 /// Those of a picture made fit for the frames of a video: with fewer control points per pixel and edges
-/// blurred by lossy codecs, all but the strongest features cost more than they bring (docs/decisions/0016).
+/// blurred by lossy codecs, all but the strongest features cost more than they bring (docs/decisions/0017).
 Options video_options(Options picture);
 
 }  // namespace knotreel::vectorize

@@ -1,0 +1,94 @@
+// Frames that edit the mesh of the frame before: flips, insertions, removals, moves, other links.
+
+#include <gtest/gtest.h>
+
+#include <random>
+#include <sstream>
+
+#include "document/sample_models.h"
+#include "knotreel/document/reader.h"
+#include "knotreel/document/writer.h"
+#include "support/mesh_edits.h"
+
+namespace knotreel {
+namespace {
+
+using document::FrameModel;
+using document::Reader;
+
+constexpr std::uint64_t kSeed = 5150;
+
+/// A frame over another mesh, in one colour: what it takes is its topology and its knots.
+FrameModel plain_frame(mesh::KnotMesh mesh, int degree, std::uint64_t seed, bool random_links) {
+  FrameModel model = testing::random_model(std::move(mesh), degree, 3, seed, random_links);
+  for (Vec2& d : model.displacement) d = {};
+  for (double& c : model.colour) c = 0;
+  model.pts = 0;
+  return model;
+}
+
+std::vector<std::byte> bytes_of(const std::ostringstream& out) {
+  const std::string text = out.str();
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
+TEST(Edits, ComeBackBitByBit) {
+  for (int degree = 1; degree <= 3; ++degree) {
+    for (std::uint64_t seed = kSeed; seed < kSeed + 6; ++seed) {
+      SCOPED_TRACE("degree " + std::to_string(degree) + ", seed " + std::to_string(seed));
+      mesh::EditableMesh mesh(testing::random_mesh(160, 120, 60, 3, seed));
+      testing::MeshEdits edits(mesh, seed);
+      std::mt19937_64 random(seed);
+      std::ostringstream out;
+      FrameModel model = testing::random_model(mesh.to_mesh(), degree, 2, seed, true);
+      document::Writer writer(out, testing::info_of(model));
+      std::vector<FrameModel> stored;
+      for (std::uint64_t frame = 0; frame < 12; ++frame) {
+        stored.push_back(writer.append(model));
+        for (std::uint64_t n = random() % 40; n > 0; --n) edits.step();
+        model = testing::random_model(mesh.to_mesh(), degree, 2, seed + frame, random() % 2 == 0);
+        model.frame = frame + 1;
+        model.keyframe = random() % 8 == 0;
+      }
+      writer.finish();
+      Reader reader = Reader::open(bytes_of(out));
+      ASSERT_EQ(reader.frame_count(), stored.size());
+      for (std::size_t f = 0; f < stored.size(); ++f) {
+        ASSERT_EQ(testing::difference(reader.read(f), stored[f]), "") << "frame " << f;
+      }
+    }
+  }
+}
+
+TEST(Edits, CostWhatTheyChange) {
+  // Each of these leaves nearly all of 700 knots as they are.
+  const mesh::KnotMesh start = testing::random_mesh(640, 480, 700, 4, kSeed);
+  const auto delta_bytes = [&](auto edit) {
+    mesh::EditableMesh mesh(start);
+    testing::MeshEdits edits(mesh, kSeed);
+    std::ostringstream out;
+    FrameModel model = plain_frame(start, 2, kSeed, false);
+    document::Writer writer(out, testing::info_of(model));
+    writer.append(model);
+    model.keyframe = false;
+    writer.append(model);  // on the grid of deltas
+    edit(edits);
+    model = plain_frame(mesh.to_mesh(), 2, kSeed, false);
+    model.keyframe = false;
+    writer.append(model);
+    writer.finish();
+    Reader reader = Reader::open(bytes_of(out));
+    EXPECT_GT(reader.record(0).bytes, 2000u);
+    return reader.record(2).bytes;
+  };
+  EXPECT_LE(delta_bytes([](testing::MeshEdits&) {}), 24u);
+  EXPECT_LE(delta_bytes([](testing::MeshEdits& e) { e.insert_in_some_face(); }), 120u);
+  EXPECT_LE(delta_bytes([](testing::MeshEdits& e) {
+              for (int i = 0; i < 20; ++i) e.flip_some_edge();
+            }),
+            240u);
+}
+
+}  // namespace
+}  // namespace knotreel
