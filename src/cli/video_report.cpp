@@ -145,6 +145,7 @@ Json summary_json(const pipeline::Summary& s) {
   return {{"frame_count", s.frames},
           {"keyframes", s.keyframes},
           {"seconds", s.seconds},
+          {"cpu_seconds", s.cpu_seconds},
           {"fps", s.fps},
           {"first_frame_seconds", s.first_frame_seconds},
           {"psnr", finite(s.psnr)},

@@ -89,6 +89,7 @@ Summary PictureOutput::finish() {
   }
   Summary summary = sums_;
   summary.seconds = seconds_since(start_);
+  summary.cpu_seconds = static_cast<double>(std::clock() - cpu_start_) / CLOCKS_PER_SEC;
   if (summary.frames == 0) return summary;
   const double n = static_cast<double>(summary.frames);
   const double warm = n - static_cast<double>(summary.keyframes);
