@@ -136,6 +136,7 @@ Json row_json(const pipeline::FrameRow& row) {
           {"ssim", finite(row.ssim)},
           {"survival", row.survival},
           {"bytes", row.bytes},
+          {"modelled", row.modelled_seconds},
           {"finished", row.finished_seconds},
           {"milliseconds", milliseconds_json(row.milliseconds)},
           {"model", milliseconds_json(row.model_milliseconds)}};

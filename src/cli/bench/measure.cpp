@@ -108,20 +108,20 @@ Json frames_json(const Json& stats, bool warm) {
   Json parts = Json::object();
   double count = 0;
   double seconds = 0;
-  double finished = 0;
+  double before = 0;
   for (const Json& row : stats["frames"]) {
     if ((row["start"] == "warm") == warm) {
       ++count;
-      seconds += row["finished"].get<double>() - finished;
+      seconds += row["modelled"].get<double>() - before;
       add_stages(stages, row["milliseconds"]);
       add_stages(parts, row["model"]);
     }
-    finished = row["finished"];
+    before = row["modelled"];
   }
   divide(stages, count);
   divide(parts, count);
-  // What the encoder still has to do after the last frame belongs to all of them.
-  seconds += (stats["seconds"].get<double>() - finished) * count / stats["frame_count"].get<double>();
+  // What is left to do after the last model belongs to all frames.
+  seconds += (stats["seconds"].get<double>() - before) * count / stats["frame_count"].get<double>();
   return {{"frames", count},
           {"fps", count > 0 ? Json(count / seconds) : Json(nullptr)},
           {"milliseconds", stages},

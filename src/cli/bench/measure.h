@@ -21,7 +21,9 @@ struct Setting {
 /// @return a JSON object per run.
 nlohmann::ordered_json measure_clip(const Clip& clip, const Setting& setting, const Scratch& scratch);
 
-/// Seconds and frames of one kind, cold or warm, and means of their stages.
+/// Speed of the frames of one kind, cold or warm, and means of their stages. Models are made one after the
+/// other, so a frame takes from the end of the model before to the end of its own; the end of its encoding
+/// would not do, because several frames are on their way at once.
 /// @param stats as `transcode` writes them. @return an object with `frames`, `fps`, `milliseconds`, `model`;
 /// fps is null without frames.
 nlohmann::ordered_json frames_json(const nlohmann::ordered_json& stats, bool warm);

@@ -112,8 +112,9 @@ std::string stages_table(const Json& runs) {
 
 std::string surroundings_text(const Json& result) {
   const Json& machine = result["machine"];
-  return fmt::format("{}, {} cores, {:.0f} GB; {}, {}; commit {}, {}\n", machine["cpu"].get<std::string>(),
-                     machine["cores"].get<int>(), 1e-9 * machine["memory_bytes"].get<double>(),
+  return fmt::format("{}, {} cores, {:.0f} GB, load before {:.1f}; {}, {}; commit {}, {}\n",
+                     machine["cpu"].get<std::string>(), machine["cores"].get<int>(),
+                     1e-9 * machine["memory_bytes"].get<double>(), machine["load_before"].get<double>(),
                      result["compiler"]["name"].get<std::string>(),
                      result["compiler"]["flags"].get<std::string>(), result["commit"].get<std::string>(),
                      result["date"].get<std::string>());
