@@ -3,6 +3,8 @@
 #include <cmath>
 #include <random>
 
+#include "features/draw.h"
+#include "features/gradient.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/features/colour_correction.h"
 #include "knotreel/features/detect.h"
@@ -55,6 +57,21 @@ void BM_Detect(benchmark::State& state) {
   report(state, chains);
 }
 
+/// The gradients alone, and edge drawing on them alone.
+void BM_Gradient(benchmark::State& state) {
+  const image::Image image = bench_picture(int(state.range(0)), int(state.range(1)));
+  for (auto _ : state) benchmark::DoNotOptimize(make_gradient_field(image, {}).magnitude.data());
+}
+
+void BM_DrawEdges(benchmark::State& state) {
+  const image::Image image = bench_picture(int(state.range(0)), int(state.range(1)));
+  const GradientField field = make_gradient_field(image, {});
+  for (auto _ : state) {
+    const LinkMap map = draw_edges(field, {});
+    benchmark::DoNotOptimize(&map);
+  }
+}
+
 void BM_Fair(benchmark::State& state) {
   const image::Image image = bench_picture(int(state.range(0)), int(state.range(1)));
   const FeatureChains detected = detect_features(image);
@@ -75,18 +92,31 @@ void BM_CorrectColours(benchmark::State& state) {
 
 BENCHMARK(BM_Detect)
     ->ArgNames({"width", "height", "threads"})
+    ->Args({352, 288, 1})
     ->Args({640, 360, 1})
     ->Args({640, 360, 2})
     ->Args({768, 512, 1})
     ->UseRealTime()
     ->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_Gradient)
+    ->ArgNames({"width", "height"})
+    ->Args({352, 288})
+    ->Args({640, 360})
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK(BM_DrawEdges)
+    ->ArgNames({"width", "height"})
+    ->Args({352, 288})
+    ->Args({640, 360})
+    ->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_Fair)
     ->ArgNames({"width", "height"})
+    ->Args({352, 288})
     ->Args({640, 360})
     ->Args({768, 512})
     ->Unit(benchmark::kMillisecond);
 BENCHMARK(BM_CorrectColours)
     ->ArgNames({"width", "height"})
+    ->Args({352, 288})
     ->Args({640, 360})
     ->Args({768, 512})
     ->Unit(benchmark::kMillisecond);

@@ -84,7 +84,7 @@ void BM_ParametrizedImage(benchmark::State& state) {
 
 void sizes(benchmark::internal::Benchmark* b) {
   for (const int threads : {1, 0}) {
-    b->Args({640, 360, threads})->Args({768, 512, threads});
+    b->Args({352, 288, threads})->Args({640, 360, threads})->Args({768, 512, threads});
   }
   b->Unit(benchmark::kMillisecond)->UseRealTime();
 }
@@ -92,7 +92,7 @@ void sizes(benchmark::internal::Benchmark* b) {
 void sizes_cold_and_warm(benchmark::internal::Benchmark* b) {
   for (const int warm : {0, 1}) {
     for (const int threads : {1, 0}) {
-      b->Args({640, 360, threads, warm})->Args({768, 512, threads, warm});
+      b->Args({352, 288, threads, warm})->Args({640, 360, threads, warm})->Args({768, 512, threads, warm});
     }
   }
   b->Unit(benchmark::kMillisecond)->UseRealTime();

@@ -16,6 +16,7 @@ void add_export_command(CLI::App& program);
 void add_info_command(CLI::App& program);
 void add_dump_command(CLI::App& program);
 void add_compare_command(CLI::App& program);
+void add_bench_command(CLI::App& program);
 
 /// Adds `--threads N` to a command; `threads` stays 0 (all cores) if it is not given.
 void add_threads_option(CLI::App& command, int& threads);

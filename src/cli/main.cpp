@@ -55,6 +55,7 @@ void run(int argc, char** argv) {
   cli::add_info_command(program);
   cli::add_dump_command(program);
   cli::add_compare_command(program);
+  cli::add_bench_command(program);
   // CLI11 would only say that a command is missing.
   const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
   const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };

@@ -62,6 +62,11 @@ void add_outputs(CLI::App& command, Arguments& arguments) {
                   "Write options, and counts, quality and time of every frame, as JSON;\n"
                   "'-': standard output")
       ->type_name("FILE");
+  command
+      .add_option("--trace", run.trace,
+                  "Write when each thread worked on which stage of which frame, for\n"
+                  "chrome://tracing or Perfetto")
+      ->type_name("FILE");
 }
 
 constexpr const char* kFooter = R"(

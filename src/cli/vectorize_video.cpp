@@ -14,6 +14,11 @@ void add_vectorize_video_options(CLI::App& command, VideoRun& run) {
   command
       .add_option("--progress", run.progress, "Write lines key=value after every frame; '-': standard output")
       ->type_name("FILE");
+  command
+      .add_option("--trace", run.trace,
+                  "Write when each thread worked on which stage of which frame, for\n"
+                  "chrome://tracing or Perfetto")
+      ->type_name("FILE");
   add_tracking_options(command, run.tracking);
   add_video_input_options(command, run.reading);
   command.option_defaults()->group("Options");

@@ -136,6 +136,7 @@ Json row_json(const pipeline::FrameRow& row) {
           {"ssim", finite(row.ssim)},
           {"survival", row.survival},
           {"bytes", row.bytes},
+          {"modelled", row.modelled_seconds},
           {"finished", row.finished_seconds},
           {"milliseconds", milliseconds_json(row.milliseconds)},
           {"model", milliseconds_json(row.model_milliseconds)}};
@@ -145,6 +146,7 @@ Json summary_json(const pipeline::Summary& s) {
   return {{"frame_count", s.frames},
           {"keyframes", s.keyframes},
           {"seconds", s.seconds},
+          {"cpu_seconds", s.cpu_seconds},
           {"fps", s.fps},
           {"first_frame_seconds", s.first_frame_seconds},
           {"psnr", finite(s.psnr)},

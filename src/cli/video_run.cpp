@@ -5,12 +5,15 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <thread>
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
 #include "cli/output_size.h"
+#include "cli/peak_memory.h"
 #include "cli/side_by_side.h"
+#include "cli/trace.h"
 #include "cli/video_report.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
@@ -105,6 +108,7 @@ pipeline::Summary run_video(const VideoRun& run) {
   video::VideoReader reader = video::VideoReader::open(run.input, read_options(run.reading, run.threads));
   pipeline::Job job = make_job(run, reader);
   ProgressFile progress(run.progress, reader.info().time_base);
+  Trace trace(run.trace);
   VideoStats stats(run.stats, head_json(run, job));
   pipeline::Summary summary;
   {
@@ -112,6 +116,7 @@ pipeline::Summary run_video(const VideoRun& run) {
     job.on_frame = [&](const pipeline::FrameRow& row) {
       line.show(row);
       progress.show(row);
+      trace.add(row);
       stats.add(row);
     };
     summary = pipeline::run_graph(job);
@@ -121,13 +126,15 @@ pipeline::Summary run_video(const VideoRun& run) {
   progress.end();
   auto tail = summary_json(summary);
   tail["damaged"] = reader.damaged();
+  tail["peak_memory_bytes"] = peak_memory_bytes();
   stats.finish(tail);
   return summary;
 }
 
 std::string summary_text(const std::string& output, const pipeline::Summary& s) {
   std::string text =
-      fmt::format("{}: {} frames in {:.1f} s ({:.2f} fps)", output, s.frames, s.seconds, s.fps);
+      fmt::format("{}: {} frames in {:.1f} s ({:.2f} fps), busy {:.2f} of {} cores", output, s.frames,
+                  s.seconds, s.fps, s.cpu_seconds / s.seconds, std::thread::hardware_concurrency());
   if (s.keyframes > 0) text += fmt::format(", {} keyframes, PSNR {}", s.keyframes, psnr_text(s.psnr));
   return text + fmt::format(", {:.0f} knots and {:.0f} control points per frame, {} bytes as document\n",
                             s.knots, s.control_points, s.document_bytes);

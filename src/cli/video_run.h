@@ -22,6 +22,7 @@ struct VideoRun {
   std::string side_by_side;  ///< video of input, result and knot mesh; empty: none
   std::string stats;
   std::string progress;
+  std::string trace;
   int threads = 0;
 };
 

@@ -23,8 +23,8 @@ void measure(const image::Image& picture, const image::Image& rendering, FrameRo
   row.ssim = metrics.ssim;
 }
 
-double seconds_since(Clock::time_point start) {
-  return std::chrono::duration<double>(Clock::now() - start).count();
+double seconds_between(Clock::time_point start, Clock::time_point end) {
+  return std::chrono::duration<double>(end - start).count();
 }
 
 }  // namespace
@@ -65,7 +65,10 @@ void PictureOutput::write_packets(const std::vector<video::Packet>& packets) {
 }
 
 void PictureOutput::sum_up(FrameRow& row) {
-  row.finished_seconds = seconds_since(start_);
+  for (const StageSpan& span : row.spans) {
+    if (span.stage == "model") row.modelled_seconds = seconds_between(start_, span.end);
+  }
+  row.finished_seconds = seconds_between(start_, Clock::now());
   if (sums_.frames == 0) sums_.first_frame_seconds = row.finished_seconds;
   ++sums_.frames;
   squared_error_ += std::pow(10.0, -row.psnr / 10);
@@ -88,7 +91,8 @@ Summary PictureOutput::finish() {
     sums_.warnings = writer_->warnings();
   }
   Summary summary = sums_;
-  summary.seconds = seconds_since(start_);
+  summary.seconds = seconds_between(start_, Clock::now());
+  summary.cpu_seconds = static_cast<double>(std::clock() - cpu_start_) / CLOCKS_PER_SEC;
   if (summary.frames == 0) return summary;
   const double n = static_cast<double>(summary.frames);
   const double warm = n - static_cast<double>(summary.keyframes);

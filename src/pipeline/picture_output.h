@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <ctime>
 #include <optional>
 
 #include "knotreel/pipeline/job.h"
@@ -38,6 +39,7 @@ class PictureOutput {
   bool same_size_ = false;
   FrameObserver on_frame_;
   Clock::time_point start_ = Clock::now();
+  std::clock_t cpu_start_ = std::clock();
   Summary sums_;
   double squared_error_ = 0;
 };

@@ -5,6 +5,7 @@
 #include "pipeline/failure.h"
 #include "pipeline/message.h"
 #include "pipeline/picture_output.h"
+#include "pipeline/thread_number.h"
 
 namespace knotreel::pipeline {
 
@@ -18,8 +19,10 @@ void timed(FirstFailure& failure, const char* stage, Message& message, Body&& bo
   } catch (...) {
     failure.keep(message.index, stage);
   }
-  const std::chrono::duration<double, std::milli> passed = Clock::now() - start;
+  const Clock::time_point end = Clock::now();
+  const std::chrono::duration<double, std::milli> passed = end - start;
   message.row.milliseconds.emplace_back(stage, passed.count());
+  message.row.spans.push_back({stage, start, end, thread_number()});
 }
 
 }  // namespace knotreel::pipeline

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <functional>
 #include <string>
@@ -15,6 +16,14 @@
 /// Whole videos through all modules: pictures in, vector models and pictures out, many frames at once.
 namespace knotreel::pipeline {
 
+/// When a stage worked on a frame, and on which thread.
+struct StageSpan {
+  std::string stage;
+  std::chrono::steady_clock::time_point begin;
+  std::chrono::steady_clock::time_point end;
+  int thread = 0;  ///< 0, 1, 2, ... in the order in which threads came to their first stage
+};
+
 /// What became of one frame.
 struct FrameRow {
   std::uint64_t index = 0;  ///< 0, 1, 2, ...
@@ -28,15 +37,18 @@ struct FrameRow {
   double ssim = 0;              ///< likewise
   double survival = 0;          ///< share of the knots of the frame before that are in this one, 0 to 1
   std::uint64_t bytes = 0;      ///< of its chunk in the document
-  double finished_seconds = 0;  ///< since the start of the run
+  double modelled_seconds = 0;  ///< since the start of the run, when its model was there; 0: only read
+  double finished_seconds = 0;  ///< since the start of the run, when it was encoded
   std::vector<std::pair<std::string, double>> milliseconds;        ///< per stage, in order
   std::vector<std::pair<std::string, double>> model_milliseconds;  ///< within the stage "model"
+  std::vector<StageSpan> spans;                                    ///< the stages again, with their times
 };
 
 /// Figures of a whole run. Means are over frames; PSNR is that of the mean squared error.
 struct Summary {
   std::uint64_t frames = 0;
   double seconds = 0;
+  double cpu_seconds = 0;  ///< of all threads of the process during the run
   double fps = 0;
   double first_frame_seconds = 0;  ///< until the first frame was encoded
   double psnr = 0;                 ///< dB; infinite for equal pictures

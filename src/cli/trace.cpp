@@ -1,0 +1,76 @@
+#include "cli/trace.h"
+
+#include <fcntl.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <nlohmann/json.hpp>
+
+#include "knotreel/base/error.h"
+
+namespace knotreel::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+using Microseconds = std::chrono::duration<double, std::micro>;
+
+constexpr const char* kHead = "{\"displayTimeUnit\": \"ms\", \"traceEvents\": [";
+constexpr const char* kTail = "\n]}\n";
+
+std::string event(const std::string& name, double begin, double duration, int thread,
+                  const pipeline::FrameRow& row) {
+  const Json json{{"name", name},
+                  {"ph", "X"},
+                  {"ts", begin},
+                  {"dur", duration},
+                  {"pid", 1},
+                  {"tid", thread},
+                  {"args", {{"frame", row.index}, {"start", row.start}}}};
+  return json.dump();
+}
+
+}  // namespace
+
+Trace::Trace(const std::string& path) : path_(path) {
+  if (path.empty()) return;
+  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+  write(kHead);
+}
+
+Trace::~Trace() {
+  if (descriptor_ >= 0) ::close(descriptor_);
+}
+
+void Trace::write(const std::string& events) {
+  const std::string text = events + kTail;
+  if (::pwrite(descriptor_, text.data(), text.size(), end_) != static_cast<ssize_t>(text.size())) {
+    throw Error(ErrorKind::kOutput, "cannot write '" + path_ + "': " + std::strerror(errno));
+  }
+  end_ += static_cast<std::int64_t>(events.size());
+}
+
+void Trace::add(const pipeline::FrameRow& row) {
+  if (descriptor_ < 0) return;
+  std::string events;
+  const auto put = [&](const std::string& name, double begin, double duration, int thread) {
+    events += (first_ ? "\n" : ",\n") + event(name, begin, duration, thread, row);
+    first_ = false;
+  };
+  for (const pipeline::StageSpan& span : row.spans) {
+    double begin = Microseconds(span.begin - start_).count();
+    const double end = Microseconds(span.end - start_).count();
+    put(span.stage, begin, end - begin, span.thread);
+    if (span.stage != "model") continue;
+    // Its parts follow each other on the same thread; only how long they took is known.
+    for (const auto& [part, milliseconds] : row.model_milliseconds) {
+      const double duration = std::min(1000 * milliseconds, end - begin);
+      put(part, begin, duration, span.thread);
+      begin += duration;
+    }
+  }
+  write(events);
+}
+
+}  // namespace knotreel::cli

@@ -1,0 +1,146 @@
+#include <sstream>
+
+#include "program.h"
+#include "support/clips.h"
+
+namespace knotreel {
+namespace {
+
+using nlohmann::json;
+using test::expect_failure;
+using test::expect_success;
+using test::knotreel;
+using test::read_text;
+
+class CliBench : public testing::Test {
+ protected:
+  std::string path(const std::string& name) const { return (dir_ / name).string(); }
+
+  /// Of a tiny clip at one and two threads.
+  json measured(const std::vector<std::string>& more = {}) {
+    std::vector<std::string> arguments{"bench",
+                                       "static",
+                                       "--size",
+                                       "64x36",
+                                       "--frames",
+                                       "4",
+                                       "--json",
+                                       result_,
+                                       "--preset",
+                                       "fast",
+                                       "--max-control-points",
+                                       "200"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = knotreel(arguments);
+    expect_success(result);
+    output_ = result.out;
+    return json::parse(read_text(result_));
+  }
+
+  test::TempDir dir_;
+  std::string result_ = (dir_ / "r.json").string();
+  std::string output_;
+};
+
+/// Lines of a comparison that tell of a figure.
+std::vector<std::string> figure_lines(const std::string& text) {
+  std::vector<std::string> lines;
+  std::istringstream in(text);
+  for (std::string line; std::getline(in, line);) {
+    if (line.starts_with("  ")) lines.push_back(line);
+  }
+  return lines;
+}
+
+TEST_F(CliBench, TheResultHasAllFigures) {
+  const json result = measured();
+  EXPECT_EQ(result["version"], KNOTREEL_VERSION);
+  for (const char* member : {"commit", "date"}) EXPECT_FALSE(result[member].get<std::string>().empty());
+  for (const char* member : {"cpu", "cores", "memory_bytes"}) EXPECT_TRUE(result["machine"].contains(member));
+  for (const char* member : {"name", "flags"}) EXPECT_TRUE(result["compiler"].contains(member));
+  ASSERT_EQ(result["runs"].size(), 2u);
+  for (std::size_t i = 0; i < 2; ++i) {
+    const json& run = result["runs"][i];
+    EXPECT_EQ(run["clip"], "static");
+    EXPECT_EQ(run["size"], "64x36");
+    EXPECT_EQ(run["preset"], "fast");
+    EXPECT_EQ(run["threads"], i + 1);
+    EXPECT_EQ(run["frames"], 4);
+    EXPECT_LE(run["control_points"], 200);
+    for (const char* figure :
+         {"fps", "passthrough_fps", "share_of_passthrough", "first_frame_seconds", "busy_cores",
+          "peak_memory_bytes", "document_bytes_per_frame", "video_bytes_per_frame", "psnr", "ssim", "flicker",
+          "warped_flicker", "speedup", "warm_speedup", "seconds", "start_and_end_seconds"}) {
+      EXPECT_GT(run[figure], 0) << figure;
+    }
+    EXPECT_EQ(run["cold"]["frames"].get<int>() + run["warm"]["frames"].get<int>(), 4);
+    EXPECT_GT(run["warm"]["fps"], 0);
+    for (const char* stage : {"decode", "analyse", "model", "documents", "rasterize", "encode"}) {
+      EXPECT_TRUE(run["cold"]["milliseconds"].contains(stage)) << stage;
+      EXPECT_TRUE(run["warm"]["milliseconds"].contains(stage)) << stage;
+    }
+    EXPECT_TRUE(run["cold"]["model_milliseconds"].contains("cold"));
+    EXPECT_FALSE(run["warm"]["model_milliseconds"].empty());
+  }
+  EXPECT_EQ(result["runs"][0]["speedup"], 1);
+  EXPECT_EQ(result["runs"][0]["psnr"], result["runs"][1]["psnr"]);
+}
+
+TEST_F(CliBench, ItPrintsABlockPerClipOrMarkdown) {
+  measured({"--threads", "2"});
+  EXPECT_NE(output_.find("\nstatic 64x36, 4 frames, fast\n"), std::string::npos) << output_;
+  EXPECT_NE(output_.find("  fps passthrough "), std::string::npos) << output_;
+  EXPECT_NE(output_.find("  ms per warm frame\n"), std::string::npos) << output_;
+  measured({"--threads", "2", "--markdown"});
+  EXPECT_NE(output_.find("| static | 64x36 | fast | 2 |"), std::string::npos) << output_;
+  EXPECT_EQ(output_.find("ms per warm frame"), std::string::npos);
+}
+
+TEST_F(CliBench, FilesAreCutAndScaledBeforehand) {
+  const std::string clip = path("clip.mkv");
+  test::write_clip(clip, 6);
+  expect_success(knotreel({"bench", clip, "--size", "80x60", "--frames", "3", "--preset", "fast", "--threads",
+                           "1", "--json", result_}));
+  const json run = json::parse(read_text(result_))["runs"][0];
+  EXPECT_EQ(run["clip"], "clip.mkv");
+  EXPECT_EQ(run["size"], "80x60");
+  EXPECT_EQ(run["frames"], 3);
+}
+
+TEST_F(CliBench, AResultComparedWithItselfHasRatiosOfOne) {
+  measured({"--threads", "1"});
+  const auto result = knotreel({"bench", "--compare", result_, result_});
+  expect_success(result);
+  const auto lines = figure_lines(result.out);
+  EXPECT_GT(lines.size(), 30u);
+  for (const std::string& line : lines) EXPECT_TRUE(line.ends_with(" 1.000")) << line;
+}
+
+TEST_F(CliBench, ComparisonMarksWhatDiffers) {
+  json result = measured({"--threads", "1"});
+  const std::string other = path("other.json");
+  result["runs"][0]["fps"] = 0.8 * result["runs"][0]["fps"].get<double>();
+  result["runs"][0]["psnr"] = 0.3 + result["runs"][0]["psnr"].get<double>();
+  test::write_text(other, result.dump());
+  std::string marked;
+  for (const std::string& line : figure_lines(knotreel({"bench", "--compare", result_, other}).out)) {
+    if (line.ends_with(" *")) marked += line.substr(2, line.find(' ', 2) - 2) + " ";
+  }
+  EXPECT_EQ(marked, "fps psnr ");
+  result["runs"][0]["preset"] = "fine";
+  test::write_text(other, result.dump());
+  const std::string text = knotreel({"bench", "--compare", result_, other, "--threshold", "50"}).out;
+  EXPECT_NE(text.find("static 64x36 fast, threads: 1: only before\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("static 64x36 fine, threads: 1: only after\n"), std::string::npos) << text;
+}
+
+TEST_F(CliBench, ErrorsAreThoseOfTheRuns) {
+  expect_failure(knotreel({"bench", "--compare", path("no.json"), path("no.json")}), 3);
+  expect_failure(knotreel({"bench", path("no.mp4")}), 3);
+  const auto wrong = knotreel({"bench", "static", "--size", "64x36", "--frames", "2", "--threads", "1",
+                               "--transcode-options", "--no-such-option"});
+  EXPECT_EQ(wrong.exit_code, 2) << wrong.err;
+}
+
+}  // namespace
+}  // namespace knotreel
