@@ -149,6 +149,7 @@ Json summary_json(const pipeline::Summary& s) {
           {"first_frame_seconds", s.first_frame_seconds},
           {"psnr", finite(s.psnr)},
           {"mec", s.mec},
+          {"meg", s.meg},
           {"ssim", s.ssim},
           {"knots", s.knots},
           {"control_points", s.control_points},

@@ -15,9 +15,11 @@ struct Message {
   std::shared_ptr<const image::Image> picture;
   std::shared_ptr<const image::Image> before;  ///< null for the first frame
   std::unique_ptr<track::Motion> motion;
-  document::FrameModel model;  ///< from the stage "documents" on: as stored
-  image::Image rendering;      ///< of the size of the output
-  image::Image beside;         ///< what Job::compose made
+  bool starts_group = false;               ///< for certain or nearly so; drift is not foreseen
+  std::shared_ptr<track::ColdFrame> cold;  ///< made ahead, if it starts a group
+  document::FrameModel model;              ///< from the stage "documents" on: as stored
+  image::Image rendering;                  ///< of the size of the output
+  image::Image beside;                     ///< what Job::compose made
   FrameRow row;
 };
 

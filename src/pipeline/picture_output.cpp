@@ -70,6 +70,7 @@ void PictureOutput::sum_up(FrameRow& row) {
   ++sums_.frames;
   squared_error_ += std::pow(10.0, -row.psnr / 10);
   sums_.mec += row.mec;
+  sums_.meg += row.meg;
   sums_.ssim += row.ssim;
   sums_.knots += static_cast<double>(row.knots);
   sums_.control_points += static_cast<double>(row.control_points);
@@ -94,7 +95,8 @@ Summary PictureOutput::finish() {
   const double warm = n - static_cast<double>(summary.keyframes);
   summary.fps = n / summary.seconds;
   summary.psnr = -10 * std::log10(squared_error_ / n);
-  for (double* sum : {&summary.mec, &summary.ssim, &summary.knots, &summary.control_points}) *sum /= n;
+  for (double* sum : {&summary.mec, &summary.meg, &summary.ssim, &summary.knots, &summary.control_points})
+    *sum /= n;
   if (warm > 0) summary.survival /= warm;
   return summary;
 }

@@ -21,14 +21,6 @@ std::size_t checked_last(const RenderJob& job) {
   return last;
 }
 
-/// Of the last frame of a document: what the document says, else as long as the frame before.
-std::int64_t last_duration(const document::Reader& reader) {
-  const std::size_t count = reader.frame_count();
-  const std::int64_t nominal = nominal_duration(stream_info(reader.info()));
-  if (nominal > 0) return nominal;
-  return count > 1 ? reader.record(count - 1).pts - reader.record(count - 2).pts : 0;
-}
-
 /// A video rendered from its middle on starts at zero all the same.
 std::vector<Showing> as_stored(const RenderJob& job, std::size_t last) {
   std::vector<Showing> frames;

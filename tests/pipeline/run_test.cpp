@@ -55,6 +55,37 @@ TEST_F(PipelineRun, TheGraphMakesTheSameDocumentAsTheReference) {
   }
 }
 
+TEST_F(PipelineRun, TheGraphMakesTheSameDocumentHoweverGroupsStart) {
+  for (const track::TrackOptions& tracking :
+       {track::TrackOptions{.warm_start = false}, track::TrackOptions{.keyframe_interval = 3},
+        track::TrackOptions{.scene_threshold = 0}, track::TrackOptions{.drift = -100}}) {
+    const auto with = [&](Summary (*run)(const Job&)) {
+      return [&tracking, run](Job job) {
+        job.cold.mec = 0;  // so that frames may drift
+        job.tracking = tracking;
+        return run(job);
+      };
+    };
+    const std::string reference = document_of(with(run_sequential), "reference.tcb");
+    EXPECT_TRUE(document_of(with(run_graph), "graph.tcb") == reference);
+  }
+}
+
+TEST_F(PipelineRun, FramesThatStartAGroupAndNoOthersAreMadeAhead) {
+  video::VideoReader reader = video::VideoReader::open(clip_);
+  Job job = job_of(reader);
+  job.tracking.keyframe_interval = 3;
+  std::vector<bool> ahead;
+  job.on_frame = [&](const FrameRow& row) {
+    bool cold = false;
+    for (const auto& [stage, ms] : row.milliseconds) cold = cold || stage == "cold";
+    EXPECT_EQ(cold, row.start != "warm") << row.index;
+    ahead.push_back(cold);
+  };
+  run_graph(job);
+  EXPECT_EQ(ahead, (std::vector{true, false, false, true, false, false, true, false}));
+}
+
 TEST_F(PipelineRun, OneFrameInFlightIsEnough) {
   const std::string reference = document_of(run_sequential, "reference.tcb");
   const auto narrow = [](Job job) {
@@ -108,6 +139,28 @@ TEST_F(PipelineRun, ADocumentGivesTheVideoBack) {
   const std::int64_t begin = times_[2];
   EXPECT_EQ(test::frame_times(job.video.path),
             (std::vector{times_[2] - begin, times_[3] - begin, times_[4] - begin}));
+}
+
+TEST_F(PipelineRun, TheLastFrameLastsAsLongAsInTheSource) {
+  const auto last_duration = [](const std::string& file) {
+    video::VideoReader reader = video::VideoReader::open(file);
+    video::Frame frame;
+    while (reader.next(frame)) continue;
+    return double(frame.duration) * reader.info().time_base.value();
+  };
+  const std::string clip = path("odd.mkv");
+  test::write_clip(clip, 3);  // the last one lasts twice as long as the frame rate says
+  ASSERT_NEAR(last_duration(clip), 0.08, 1e-9);
+  video::VideoReader reader = video::VideoReader::open(clip);
+  Job job = job_of(reader);
+  job.document = path("odd.tcb");
+  run_graph(job);
+  document::Reader document = document::Reader::open(job.document);
+  RenderJob render;
+  render.reader = &document;
+  render.video.path = path("back.mkv");
+  run_render(render);
+  EXPECT_NEAR(last_duration(render.video.path), 0.08, 1e-9);
 }
 
 TEST_F(PipelineRun, AnotherRateRepeatsFrames) {

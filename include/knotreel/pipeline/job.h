@@ -23,7 +23,7 @@ struct FrameRow {
   std::size_t knots = 0;
   std::size_t control_points = 0;
   double mec = 0;               ///< levels; of the stored model, drawn at the size of the source
-  double meg = 0;               ///< pixels; 0: not known
+  double meg = 0;               ///< pixels, as track::curve_error(); 0: no features
   double psnr = 0;              ///< dB, likewise; infinite for equal pictures
   double ssim = 0;              ///< likewise
   double survival = 0;          ///< share of the knots of the frame before that are in this one, 0 to 1
@@ -41,6 +41,7 @@ struct Summary {
   double first_frame_seconds = 0;  ///< until the first frame was encoded
   double psnr = 0;                 ///< dB; infinite for equal pictures
   double mec = 0;                  ///< levels
+  double meg = 0;                  ///< pixels
   double ssim = 0;
   double knots = 0;
   double control_points = 0;
