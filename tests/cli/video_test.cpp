@@ -116,6 +116,8 @@ TEST_F(CliVideo, StatsAndProgressTellOfEveryFrame) {
     const json& row = stats["frames"][i];
     EXPECT_EQ(row["pts"], times_[i]);
     EXPECT_GT(row["psnr"].get<double>(), 20);
+    EXPECT_GT(row["meg"].get<double>(), 0);
+    EXPECT_LT(row["meg"].get<double>(), 1);
     for (const char* stage : {"decode", "analyse", "model", "documents", "rasterize", "encode"}) {
       EXPECT_TRUE(row["milliseconds"].contains(stage)) << stage;
     }
@@ -141,6 +143,41 @@ TEST_F(CliVideo, TrackingOptionsSayWhichFramesAreMadeAnew) {
   EXPECT_EQ(keyframes({"--no-warm-start"}), (std::vector{0, 1, 2, 3, 4, 5}));
   const std::vector<int> pairs = keyframes({"--keyframe-interval", "2"});
   EXPECT_GE(pairs.size(), 3u);
+}
+
+TEST_F(CliVideo, InfoTellsOfSequences) {
+  expect_success(
+      knotreel({"vectorize", clip_, "-o", document_, "--preset", "fast", "--keyframe-interval", "4"}));
+  const json info = json::parse(knotreel({"info", document_, "--json"}).out);
+  EXPECT_EQ(info["frame_count"], kFrames);
+  EXPECT_EQ(info["groups"], 2);
+  EXPECT_EQ(info["frame_rate"], (json{25, 1}));
+  // Every third frame lasts 80 ms, the others 40.
+  EXPECT_NEAR(info["seconds"].get<double>(), 0.32, 1e-9);
+  const json& knots = info["knots_per_frame"];
+  EXPECT_NEAR(knots["mean"].get<double>() * kFrames, info["knots"].get<double>(), 1e-6);
+  EXPECT_LE(knots["min"], info["frames"][0]["knots"]);
+  EXPECT_GE(knots["max"], info["frames"][0]["knots"]);
+  const auto text = knotreel({"info", document_});
+  expect_success(text);
+  EXPECT_NE(text.out.find("6 in 2 groups"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("0.320 s, 25 frames per second"), std::string::npos) << text.out;
+}
+
+TEST_F(CliVideo, InfoTellsOfVideos) {
+  const json info = json::parse(knotreel({"info", clip_, "--json"}).out);
+  EXPECT_EQ(info["kind"], "video");
+  EXPECT_EQ(info["codec"], "ffv1");
+  EXPECT_EQ(info["width"], 64);
+  EXPECT_EQ(info["height"], 48);
+  EXPECT_EQ(info["frame_rate"], (json{25, 1}));
+  EXPECT_EQ(info["rotation"], 0);
+  ASSERT_EQ(info["streams"].size(), 1u);
+  EXPECT_EQ(info["streams"][0]["kind"], "video");
+  EXPECT_EQ(info["file_bytes"], std::filesystem::file_size(clip_));
+  const auto text = knotreel({"info", clip_});
+  expect_success(text);
+  EXPECT_NE(text.out.find("ffv1 video\nsize            64x48"), std::string::npos) << text.out;
 }
 
 TEST_F(CliVideo, FormatNullOnlyTells) {
