@@ -74,8 +74,9 @@ void add_render_video_options(CLI::App& command, RenderVideo& options) {
       ->type_name("A-B");
   command
       .add_option("--fps", options.fps,
-                  "Frames per second, such as 25 or 30000/1001: frames are repeated or\n"
-                  "left out. Without, each has the time that the document says")
+                  "Frames per second, such as 25 or 30000/1001: frames in between are made\n"
+                  "of what moves on from one to the next, but not across cuts. Without, each\n"
+                  "has the time that the document says")
       ->type_name("R");
   add_video_output_options(command, options.encoding);
   command

@@ -18,8 +18,10 @@ struct Message {
   bool starts_group = false;               ///< for certain or nearly so; drift is not foreseen
   std::shared_ptr<track::ColdFrame> cold;  ///< made ahead, if it starts a group
   document::FrameModel model;              ///< from the stage "documents" on: as stored
-  image::Image rendering;                  ///< of the size of the output
-  image::Image beside;                     ///< what Job::compose made
+  document::FrameModel next;  ///< the frame after, if `model` is to be taken on the way to it ...
+  double share = 0;           ///< ... by so much
+  image::Image rendering;     ///< of the size of the output
+  image::Image beside;        ///< what Job::compose made
   FrameRow row;
 };
 

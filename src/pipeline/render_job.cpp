@@ -1,6 +1,10 @@
 #include "knotreel/pipeline/render_job.h"
 
+#include <array>
+#include <optional>
+
 #include "knotreel/spline/space.h"
+#include "knotreel/track/between.h"
 #include "pipeline/nodes.h"
 #include "pipeline/schedule.h"
 #include "pipeline/timed.h"
@@ -23,8 +27,12 @@ class RenderStages {
     auto message = std::make_shared<Message>();
     message->index = next_;
     const Showing& showing = schedule_.frames[next_++];
-    timed(failure_, "read", *message, [&] { message->model = job_.reader->read(showing.frame); });
+    timed(failure_, "read", *message, [&] {
+      message->model = read(showing.frame);
+      if (showing.share > 0) message->next = read(showing.frame + 1);
+    });
     if (failure_.any()) return nullptr;
+    message->share = showing.share;
     message->frame.pts = showing.pts;
     message->frame.duration = showing.duration;
     FrameRow& row = message->row;
@@ -38,6 +46,8 @@ class RenderStages {
 
   void rasterize(Message& message) {
     timed(failure_, "rasterize", message, [&] {
+      if (message.share > 0) message.model = track::between(message.model, message.next, message.share);
+      message.next = {};
       output_.draw(message);
       message.model = {};
     });
@@ -57,7 +67,20 @@ class RenderStages {
   }
 
  private:
+  /// The same two frames may be asked for again and again; going back in a document is dear.
+  const document::FrameModel& read(std::size_t frame) {
+    Kept& kept = kept_[frame % kept_.size()];
+    if (kept.frame != frame) kept = {frame, job_.reader->read(frame)};
+    return kept.model;
+  }
+
+  struct Kept {
+    std::optional<std::size_t> frame;
+    document::FrameModel model;
+  };
+
   const RenderJob& job_;
+  std::array<Kept, 2> kept_;
   Schedule schedule_;
   PictureOutput output_;
   FirstFailure failure_;
