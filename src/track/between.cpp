@@ -1,7 +1,7 @@
 #include "knotreel/track/between.h"
 
-#include <algorithm>
 #include <cstdint>
+#include <optional>
 #include <unordered_map>
 #include <utility>
 #include <vector>
@@ -85,16 +85,7 @@ void straighten_segments(const KnotMesh& before, KnotMesh& mesh) {
   }
 }
 
-bool folds(const KnotMesh& mesh) {
-  return std::any_of(mesh.faces.begin(), mesh.faces.end(), [&](const mesh::Face& f) {
-    return mesh::orientation(mesh.knots[f[0]].position, mesh.knots[f[1]].position,
-                             mesh.knots[f[2]].position) <= 0;
-  });
-}
-
-KnotMesh mesh_between(const KnotMesh& near, const KnotMesh& far, double share) {
-  Moves moves = moves_to(near, far);
-  go_along(near, moves);
+KnotMesh placed(const KnotMesh& near, const Moves& moves, double share) {
   KnotMesh mesh = near;
   for (std::size_t k = 0; k < mesh.knots.size(); ++k) {
     if (mesh.knots[k].kind == KnotKind::kSegment) continue;
@@ -105,15 +96,52 @@ KnotMesh mesh_between(const KnotMesh& near, const KnotMesh& far, double share) {
   return mesh;
 }
 
+/// Lets the free knots of a face go as its other knot goes, or all as they do in the mean: it cannot turn.
+void stiffen(const KnotMesh& mesh, const mesh::Face& face, Moves& moves) {
+  Vec2 way;
+  for (const KnotIndex k : face) way = way + (1.0 / 3) * moves.by_knot[k];
+  for (const KnotIndex k : face) {
+    if (mesh.knots[k].kind != KnotKind::kFree) way = moves.by_knot[k];
+  }
+  for (const KnotIndex k : face) {
+    if (mesh.knots[k].kind == KnotKind::kFree) moves.by_knot[k] = way;
+  }
+}
+
+/// @return whether there were faces that are turned over.
+bool stiffen_folded(const KnotMesh& mesh, Moves& moves) {
+  bool any = false;
+  for (const mesh::Face& f : mesh.faces) {
+    const auto at = [&](std::size_t i) { return mesh.knots[f[i]].position; };
+    if (mesh::orientation(at(0), at(1), at(2)) > 0) continue;
+    any = true;
+    stiffen(mesh, f, moves);
+  }
+  return any;
+}
+
+/// Faces may turn over where the frames are joined differently; they are made to move as a whole. None if
+/// that does not help.
+std::optional<KnotMesh> mesh_between(const KnotMesh& near, const KnotMesh& far, double share) {
+  constexpr int kPasses = 20;
+  Moves moves = moves_to(near, far);
+  go_along(near, moves);
+  for (int pass = 0; pass < kPasses; ++pass) {
+    KnotMesh mesh = placed(near, moves, share);
+    if (!stiffen_folded(mesh, moves)) return mesh;
+  }
+  return {};
+}
+
 /// The nearer frame, some of the way (at most a half) towards the other one.
 document::FrameModel towards(const document::FrameModel& near, const document::FrameModel& far,
                              double share) {
   if (share == 0) return near;
-  KnotMesh mesh = mesh_between(near.space->mesh(), far.space->mesh(), share);
-  if (folds(mesh)) return near;
+  std::optional<KnotMesh> mesh = mesh_between(near.space->mesh(), far.space->mesh(), share);
+  if (!mesh) return near;
   document::FrameModel model = near;
   model.space = std::make_shared<const spline::SplineSpace>(
-      spline::SplineSpace::from_link_codes(std::move(mesh), near.space->degree(), near.space->link_codes()));
+      spline::SplineSpace::from_link_codes(std::move(*mesh), near.space->degree(), near.space->link_codes()));
   const std::vector<std::uint32_t> match = match_functions(*far.space, *near.space);
   const auto channels = static_cast<std::size_t>(near.channels);
   for (std::size_t f = 0; f < match.size(); ++f) {
