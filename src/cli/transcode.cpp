@@ -62,6 +62,10 @@ void add_outputs(CLI::App& command, Arguments& arguments) {
                   "Write options, and counts, quality and time of every frame, as JSON;\n"
                   "'-': standard output")
       ->type_name("FILE");
+  command
+      .add_option("--debug-dir", run.debug_dir,
+                  "Write PNG pictures of how frames were made, into a folder for each")
+      ->type_name("DIR");
 }
 
 constexpr const char* kFooter = R"(

@@ -174,13 +174,13 @@ void vectorize(const Arguments& arguments) {
   if (arguments.output.empty() && !split) {
     throw Error(ErrorKind::kInvalidArgument, "--output is required (see knotreel vectorize --help)");
   }
-  const bool picture = !arguments.debug_dir.empty();  // there are none of videos
-  if (split || (!picture && is_video(arguments.input, arguments.video.reading))) {
+  if (split || is_video(arguments.input, arguments.video.reading)) {
     VideoRun run = arguments.video;
     run.input = arguments.input;
     run.document = arguments.output;
     run.options = arguments.options;
     run.stats = arguments.stats;
+    run.debug_dir = arguments.debug_dir;
     run.threads = arguments.threads;
     vectorize_video(std::move(run));
   } else {
@@ -206,8 +206,7 @@ Examples:
 void add_vectorize_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("vectorize", "Turn a picture or a video into a vector document");
   const auto arguments = std::make_shared<Arguments>();
-  command
-      ->add_option("INPUT", arguments->input, "Picture or video to read; '-': a picture from standard input")
+  command->add_option("INPUT", arguments->input, "Picture or video to read; '-': standard input")
       ->type_name("")
       ->required();
   command
@@ -220,7 +219,8 @@ void add_vectorize_command(CLI::App& program) {
       ->type_name("FILE");
   command
       ->add_option("--debug-dir", arguments->debug_dir,
-                   "Write PNG pictures of every stage into this folder, made if missing")
+                   "Write PNG pictures of every stage into this folder, made if missing;\n"
+                   "of a video, into a folder for each frame")
       ->type_name("DIR");
   add_threads_option(*command, arguments->threads);
   add_vectorize_video_options(*command, arguments->video);

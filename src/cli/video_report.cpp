@@ -112,9 +112,9 @@ VideoStats::VideoStats(const std::string& path, const Json& head) {
   file_->write(text.substr(0, text.size() - 2) + ",\n  \"frames\": [");
 }
 
-void VideoStats::add(const pipeline::FrameRow& row) {
+void VideoStats::add(const Json& row) {
   if (!file_) return;
-  file_->write((first_ ? "\n    " : ",\n    ") + text_of(row_json(row), -1));
+  file_->write((first_ ? "\n    " : ",\n    ") + text_of(row, -1));
   first_ = false;
 }
 
@@ -139,6 +139,16 @@ Json row_json(const pipeline::FrameRow& row) {
           {"finished", row.finished_seconds},
           {"milliseconds", milliseconds_json(row.milliseconds)},
           {"model", milliseconds_json(row.model_milliseconds)}};
+}
+
+Json drawn_json(const pipeline::FrameRow& row) {
+  return {{"frame", row.index},
+          {"pts", row.pts},
+          {"knots", row.knots},
+          {"control_points", row.control_points},
+          {"bytes", row.bytes},
+          {"finished", row.finished_seconds},
+          {"milliseconds", milliseconds_json(row.milliseconds)}};
 }
 
 Json summary_json(const pipeline::Summary& s) {

@@ -20,6 +20,7 @@ struct VideoRun {
   double scale = 1;          ///< of the video
   std::string size;          ///< of the video; wins over scale unless empty
   std::string side_by_side;  ///< video of input, result and knot mesh; empty: none
+  std::string debug_dir;     ///< pictures of every frame; empty: none
   std::string stats;
   std::string progress;
   int threads = 0;

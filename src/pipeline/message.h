@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "knotreel/base/happens_before.h"
 #include "knotreel/document/frame_model.h"
 #include "knotreel/image/image.h"
 #include "knotreel/pipeline/job.h"
@@ -23,6 +24,7 @@ struct Message {
   image::Image rendering;     ///< of the size of the output
   image::Image beside;        ///< what Job::compose made
   FrameRow row;
+  HappensBefore passed_on;  ///< by the stage before
 };
 
 /// Messages are moved from stage to stage by the graph, which copies.

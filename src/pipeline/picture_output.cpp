@@ -31,7 +31,7 @@ double seconds_since(Clock::time_point start) {
 
 PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo& source,
                              const video::VideoReader* copied, FrameObserver on_frame)
-    : on_frame_(std::move(on_frame)) {
+    : background_(output.background), on_frame_(std::move(on_frame)) {
   video::StreamInfo frames = source;
   if (output.width > 0) frames.width = output.width;
   if (output.height > 0) frames.height = output.height;
@@ -40,6 +40,17 @@ PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo&
   at_output_.width = frames.width;
   at_output_.height = frames.height;
   at_output_.antialias = output.antialias;
+  if (output.crop) {
+    same_size_ = false;
+    at_output_.crop_x = output.crop->x;
+    at_output_.crop_y = output.crop->y;
+    at_output_.crop_width = frames.width = output.crop->width;
+    at_output_.crop_height = frames.height = output.crop->height;
+  }
+  if (image::channels_on(background_, frames.channels) != frames.channels) {
+    frames.channels = image::channels_on(background_, frames.channels);
+    frames.pixel_format.clear();  // it has alpha
+  }
   if (output.path.empty()) return;
   writer_.emplace(video::VideoWriter::create(output.path, frames, output.options, copied));
 }
@@ -51,6 +62,8 @@ void PictureOutput::draw(Message& message) const {
     if (writer_ && same_size_) message.rendering = std::move(own);
   }
   if (writer_ && message.rendering.samples.empty()) message.rendering = rendered(message.model, at_output_);
+  image::put_on_background(message.rendering.samples, message.rendering.channels, background_);
+  message.rendering.channels = image::channels_on(background_, message.rendering.channels);
 }
 
 void PictureOutput::write(Message& message) {

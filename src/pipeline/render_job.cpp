@@ -92,16 +92,13 @@ class RenderStages {
 
 Summary run_render(const RenderJob& job) {
   RenderStages stages(job);
+  HappensBefore decoded, encoded;
   flow::graph graph;
-  flow::input_node<MessagePtr> read(graph, source([&] { return stages.read(); }));
+  flow::input_node<MessagePtr> read(graph, source(decoded, [&] { return stages.read(); }));
   flow::limiter_node<MessagePtr> limiter(graph, frames_in_flight(job.frames_in_flight));
   Node rasterize(graph, flow::unlimited, isolated([&](Message& m) { stages.rasterize(m); }));
   flow::sequencer_node<MessagePtr> in_order(graph, ByIndex{});
-  const auto body = isolated([&](Message& m) { stages.encode(m); });
-  LastNode encode(graph, flow::serial, [body](const MessagePtr& m) {
-    body(m);
-    return flow::continue_msg();
-  });
+  LastNode encode(graph, flow::serial, last_in_turn(encoded, [&](Message& m) { stages.encode(m); }));
   flow::make_edge(read, limiter);
   flow::make_edge(limiter, rasterize);
   flow::make_edge(rasterize, in_order);
@@ -109,6 +106,7 @@ Summary run_render(const RenderJob& job) {
   flow::make_edge(encode, limiter.decrementer());
   read.activate();
   graph.wait_for_all();
+  encoded.acquire();
   return stages.finish();
 }
 

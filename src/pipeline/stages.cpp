@@ -85,8 +85,10 @@ void Stages::plan(Message& message) {
 
 void Stages::cold(Message& message) {
   if (!message.starts_group) return;
-  timed(failure_, "cold", message,
-        [&] { message.cold = track::make_cold_frame(*message.picture, job_.cold); });
+  timed(failure_, "cold", message, [&] {
+    const auto observer = job_.watch.cold ? job_.watch.cold(message.index) : vectorize::Observer();
+    message.cold = track::make_cold_frame(*message.picture, job_.cold, observer);
+  });
 }
 
 void Stages::model(Message& message) {
@@ -126,6 +128,7 @@ void Stages::rasterize(Message& message) {
     output_.draw(message);
     message.row.meg = track::curve_error(message.model, motion::luma_of(*message.picture));
     beside_.compose(message);
+    if (job_.watch.stored) job_.watch.stored(message.index, *message.picture, message.model);
     message.model = {};
     message.picture.reset();
   });

@@ -2,7 +2,6 @@
 
 #include <chrono>
 
-#include "knotreel/vectorize/vectorize.h"
 #include "track/residual.h"
 
 namespace knotreel::track {
@@ -16,9 +15,10 @@ double milliseconds_since(Clock::time_point start) {
 
 }  // namespace
 
-std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const vectorize::Options& options) {
+std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const vectorize::Options& options,
+                                           const vectorize::Observer& observer) {
   const Clock::time_point start = Clock::now();
-  vectorize::Vectorization made = vectorize::vectorize_picture(picture, options);
+  vectorize::Vectorization made = vectorize::vectorize_picture(picture, options, observer);
   const auto frame = std::make_shared<ColdFrame>();
   frame->space = made.model.space;
   frame->displacement = std::move(made.model.displacement);

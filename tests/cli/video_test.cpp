@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "knotreel/document/reader.h"
 #include "program.h"
 #include "support/clips.h"
 
@@ -84,6 +85,68 @@ TEST_F(CliVideo, RenderMakesPicturesOfARange) {
   EXPECT_FALSE(std::filesystem::exists(path("f_04.png")));
   EXPECT_TRUE(read_text(path("f_02.png")) == read_text(path("third.png")));
   expect_failure(knotreel({"render", document_, "-o", path("x.mkv"), "--frames", "4-6"}), 2);
+}
+
+TEST_F(CliVideo, RenderCutsPartsOutOfVideos) {
+  vectorize();
+  const std::vector<std::string> part{"--crop", "8,4,33,25", "--scale", "1.5"};
+  const auto render = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), part.begin(), part.end());
+    return knotreel(arguments);
+  };
+  expect_success(render({"render", document_, "-o", path("f_%02d.png")}));
+  expect_success(render({"render", document_, "-o", path("third.png"), "--frame", "3"}));
+  EXPECT_TRUE(read_text(path("f_04.png")) == read_text(path("third.png")));
+  expect_failure(knotreel({"render", document_, "-o", path("o.mkv"), "--crop", "40,0,30,20"}), 2);
+}
+
+TEST_F(CliVideo, RenderPutsFramesWithAlphaOnABackground) {
+  std::filesystem::create_directory(path("in"));
+  for (int i = 0; i < 3; ++i) {
+    image::write_image(path("in/p" + std::to_string(i) + ".png"), test::moving_picture(48, 32, 4, i));
+  }
+  expect_success(knotreel({"vectorize", path("in"), "-o", document_, "--preset", "fast"}));
+  expect_success(knotreel({"render", document_, "-o", path("f_%d.png"), "--background", "#40ff20"}));
+  expect_success(
+      knotreel({"render", document_, "-o", path("second.png"), "--frame", "1", "--background", "#40ff20"}));
+  EXPECT_TRUE(read_text(path("f_2.png")) == read_text(path("second.png")));
+  expect_success(
+      knotreel({"render", document_, "-o", path("o.mp4"), "--background", "black", "--size", "48x32"}));
+  EXPECT_EQ(video::VideoReader::open(path("o.mp4")).info().channels, 3);
+}
+
+TEST_F(CliVideo, RenderStatsTellOfEveryFrame) {
+  vectorize();
+  expect_success(knotreel({"render", document_, "-o", path("o.mkv"), "--stats", path("s.json")}));
+  const json stats = json::parse(read_text(path("s.json")));
+  EXPECT_EQ(stats["width"], 64);
+  EXPECT_EQ(stats["frame_count"], kFrames);
+  ASSERT_EQ(stats["frames"].size(), times_.size());
+  for (std::size_t i = 0; i < times_.size(); ++i) {
+    EXPECT_EQ(stats["frames"][i]["pts"], times_[i]);
+    EXPECT_GT(stats["frames"][i]["bytes"], 0);
+  }
+}
+
+TEST_F(CliVideo, AVideoMayComeThroughAPipe) {
+  const auto result =
+      knotreel({"vectorize", "-", "-o", document_, "--preset", "fast"}, {.input = read_text(clip_)});
+  expect_success(result);
+  EXPECT_EQ(document::Reader::open(document_).frame_count(), std::size_t{kFrames});
+  expect_failure(knotreel({"vectorize", "-", "-o", document_}, {.input = ""}), 3);
+  expect_failure(knotreel({"vectorize", "-", "-o", document_}, {.input = "neither"}), 3);
+}
+
+TEST_F(CliVideo, DebugPicturesHaveAFolderPerFrame) {
+  expect_success(
+      knotreel({"vectorize", clip_, "-o", document_, "--preset", "fast", "--debug-dir", path("stages")}));
+  for (int i = 1; i <= kFrames; ++i) {
+    const std::string folder = path("stages/frame_00000" + std::to_string(i));
+    EXPECT_EQ(std::filesystem::exists(folder + "/05-knots.png"), i == 1) << i;
+    for (const char* name : {"mesh", "fit", "error", "control-net"}) {
+      EXPECT_TRUE(std::filesystem::exists(folder + "/stored-" + name + ".png")) << folder << name;
+    }
+  }
 }
 
 TEST_F(CliVideo, AFolderOfPicturesIsAVideo) {
