@@ -57,6 +57,18 @@ nlohmann::ordered_json head_json(const VideoRun& run, const pipeline::Job& job) 
           {"tracking", tracking_json(job.tracking)}};
 }
 
+void warn_all(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) warn(line);
+}
+
+void check_standard_output(const VideoRun& run) {
+  int uses = 0;
+  for (const std::string& path : {run.document, run.video.path, run.stats, run.progress}) uses += path == "-";
+  if (uses > 1) throw Error(ErrorKind::kInvalidArgument, "only one output can be standard output");
+}
+
+}  // namespace
+
 pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
   const video::StreamInfo& info = reader.info();
   pipeline::Job job;
@@ -78,18 +90,6 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
   job.stop = [] { return interrupted(); };
   return job;
 }
-
-void warn_all(const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) warn(line);
-}
-
-void check_standard_output(const VideoRun& run) {
-  int uses = 0;
-  for (const std::string& path : {run.document, run.video.path, run.stats, run.progress}) uses += path == "-";
-  if (uses > 1) throw Error(ErrorKind::kInvalidArgument, "only one output can be standard output");
-}
-
-}  // namespace
 
 bool is_video(const std::string& input, const VideoInputOptions& options) {
   if (!options.format.empty()) return true;

@@ -29,6 +29,9 @@ struct VideoRun {
 /// Whether an input is to be read as a video: a folder, a pattern, a URL, or a file that is no picture.
 bool is_video(const std::string& input, const VideoInputOptions& options);
 
+/// The job for it. @param reader  of the input; must outlive the job.
+pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader);
+
 /// Does it, with all lines, files and warnings beside it.
 /// @throws Error{kInterrupted} after a signal, when all files are whole.
 pipeline::Summary run_video(const VideoRun& run);
