@@ -34,6 +34,7 @@ Summary run_graph(const Job& job) {
   flow::make_edge(encode, limiter.decrementer());
   decode.activate();
   graph.wait_for_all();
+  decoded.acquire();  // it was asked once more after the last frame
   encoded.acquire();
   return stages.finish();
 }

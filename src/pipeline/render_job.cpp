@@ -106,6 +106,7 @@ Summary run_render(const RenderJob& job) {
   flow::make_edge(encode, limiter.decrementer());
   read.activate();
   graph.wait_for_all();
+  decoded.acquire();  // it was asked once more after the last frame
   encoded.acquire();
   return stages.finish();
 }
