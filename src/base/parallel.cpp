@@ -4,6 +4,8 @@
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 
+#include "knotreel/base/happens_before.h"
+
 namespace knotreel {
 
 ThreadCap::ThreadCap(int threads) : impl_(nullptr) {
@@ -17,7 +19,15 @@ ThreadCap::~ThreadCap() {
 }
 
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
-  oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) { body(i); });
+  HappensBefore begun;
+  HappensBefore ended;
+  begun.release();
+  oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
+    begun.acquire();
+    body(i);
+    ended.release();
+  });
+  ended.acquire();
 }
 
 }  // namespace knotreel

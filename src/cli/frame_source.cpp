@@ -50,16 +50,16 @@ class DocumentFrames : public FrameSource {
   std::size_t next_ = 0;
 };
 
-/// Documents begin with "\x89TCB".
+}  // namespace
+
 bool is_document(const std::string& path) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(path, ignored)) return false;
   const std::vector<std::byte> start = read_start(path, 4);
+  // "\x89TCB"
   constexpr std::array kMagic{std::byte{0x89}, std::byte{'T'}, std::byte{'C'}, std::byte{'B'}};
   return std::equal(start.begin(), start.end(), kMagic.begin(), kMagic.end());
 }
-
-}  // namespace
 
 bool has_frames(const std::string& path) {
   if (is_document(path)) return document::Reader::open(path).frame_count() > 1;

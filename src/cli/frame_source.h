@@ -18,6 +18,9 @@ class FrameSource {
   virtual std::vector<std::string> warnings() const { return {}; }
 };
 
+/// Whether a file begins as documents do.
+bool is_document(const std::string& path);
+
 /// Whether a file holds several frames: a video, or a document with more than one.
 bool has_frames(const std::string& path);
 

@@ -26,7 +26,9 @@ void install_signal_handlers() {
     if (sigaction(signal, nullptr, &present) == 0 && present.sa_handler == SIG_IGN) continue;
     sigaction(signal, &action, nullptr);
   }
+  // A closed pipe and a file grown too large are errors of writing, and told as such.
   std::signal(SIGPIPE, SIG_IGN);
+  std::signal(SIGXFSZ, SIG_IGN);
 }
 
 bool interrupted() {

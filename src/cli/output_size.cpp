@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
 
 #include "knotreel/base/error.h"
 
@@ -33,6 +34,16 @@ Size output_size(double scale, const std::string& size, int width, int height) {
     refuse("--scale gives more than " + std::to_string(kMaxSide) + " pixels on a side");
   }
   return {static_cast<int>(scaled_width), static_cast<int>(scaled_height)};
+}
+
+Rect parse_crop(const std::string& text, Size whole) {
+  const Rect crop = parse_rect("--crop", text);
+  if (crop.x > whole.width - crop.width || crop.y > whole.height - crop.height) {
+    throw Error(ErrorKind::kInvalidArgument, "--crop " + text + " is not inside the picture of " +
+                                                 std::to_string(whole.width) + "x" +
+                                                 std::to_string(whole.height) + " pixels");
+  }
+  return crop;
 }
 
 }  // namespace knotreel::cli

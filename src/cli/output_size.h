@@ -11,4 +11,7 @@ namespace knotreel::cli {
 /// @throws Error{kInvalidArgument} for more than a million pixels on a side.
 Size output_size(double scale, const std::string& size, int width, int height);
 
+/// What --crop asks for. @throws Error{kInvalidArgument} unless it is inside the whole picture.
+Rect parse_crop(const std::string& text, Size whole);
+
 }  // namespace knotreel::cli

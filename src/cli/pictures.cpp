@@ -22,22 +22,6 @@ int band_rows(int width) {
   return std::max(1, (1 << 20) / width);
 }
 
-/// In place; the result is tightly packed at the front.
-void put_on_background(std::vector<float>& samples, int channels, const std::array<float, 3>& background) {
-  const auto stride = static_cast<std::size_t>(channels);
-  const std::size_t colours = stride - 1;
-  const float grey = 0.299F * background[0] + 0.587F * background[1] + 0.114F * background[2];
-  std::size_t to = 0;
-  for (std::size_t from = 0; from < samples.size(); from += stride) {
-    const float alpha = std::clamp(samples[from + colours] / 255.0F, 0.0F, 1.0F);
-    for (std::size_t c = 0; c < colours; ++c) {
-      const float behind = colours == 1 ? grey : background[c];
-      samples[to++] = alpha * samples[from + c] + (1 - alpha) * behind;
-    }
-  }
-  samples.resize(to);
-}
-
 struct Band {
   int rows = 0;
   std::vector<float> samples;
@@ -65,14 +49,9 @@ document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame) {
   return reader.read(frame);
 }
 
-int channels_on(const Background& background, int channels) {
-  return background && channels % 2 == 0 ? channels - 1 : channels;
-}
-
-void stream_rendering(const raster::Renderer& renderer, const Background& background,
+void stream_rendering(const raster::Renderer& renderer, const image::Background& background,
                       image::RowWriter& writer) {
   const std::size_t row_size = std::size_t(renderer.width()) * std::size_t(renderer.channels());
-  const bool flatten = channels_on(background, renderer.channels()) != renderer.channels();
   Band ready;  // rendered, not yet written
   Band next;
   for (int top = 0; top < renderer.height() || ready.rows > 0;) {
@@ -83,7 +62,7 @@ void stream_rendering(const raster::Renderer& renderer, const Background& backgr
       if (task == 0) {
         renderer.rows(top, top + next.rows, next.samples);
       } else {
-        if (flatten) put_on_background(ready.samples, renderer.channels(), *background);
+        image::put_on_background(ready.samples, renderer.channels(), background);
         writer.write(ready.samples, ready.rows);
       }
     });

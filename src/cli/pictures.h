@@ -1,12 +1,11 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <filesystem>
-#include <optional>
 
 #include "knotreel/document/frame_model.h"
 #include "knotreel/document/reader.h"
+#include "knotreel/image/background.h"
 #include "knotreel/image/image.h"
 #include "knotreel/image/write_image.h"
 #include "knotreel/raster/render.h"
@@ -23,16 +22,10 @@ document::Reader open_document(const std::filesystem::path& path);
 /// Reads one frame. @throws Error{kInvalidArgument} if there is no such frame.
 document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame);
 
-/// Opaque colour to put a picture with alpha on, 0..255; none keeps the alpha.
-using Background = std::optional<std::array<float, 3>>;
-
-/// Channels of a rendering after it was put on the background.
-int channels_on(const Background& background, int channels);
-
 /// Renders in bands and hands them to the writer, which works while the next band is rendered. Memory: two
 /// bands of about a million pixels. The bits do not depend on the number of threads.
 /// @throws Error{kInterrupted} after a signal.
-void stream_rendering(const raster::Renderer& renderer, const Background& background,
+void stream_rendering(const raster::Renderer& renderer, const image::Background& background,
                       image::RowWriter& writer);
 
 /// The whole rendering in memory.

@@ -41,11 +41,7 @@ raster::RenderOptions render_options(const Arguments& arguments, const document:
   options.antialias = !arguments.aliased;
   Size output = whole;
   if (!arguments.crop.empty()) {
-    const Rect crop = parse_rect("--crop", arguments.crop);
-    if (crop.x > whole.width - crop.width || crop.y > whole.height - crop.height) {
-      refuse("--crop " + arguments.crop + " is not inside the picture of " + std::to_string(whole.width) +
-             "x" + std::to_string(whole.height) + " pixels");
-    }
+    const Rect crop = parse_crop(arguments.crop, whole);
     options.crop_x = crop.x;
     options.crop_y = crop.y;
     options.crop_width = crop.width;
@@ -60,7 +56,7 @@ raster::RenderOptions render_options(const Arguments& arguments, const document:
 
 void render_picture(const Arguments& arguments) {
   const ThreadCap cap(arguments.threads);
-  Background background;
+  image::Background background;
   if (!arguments.background.empty()) background = parse_colour("--background", arguments.background);
   image::ImageFileSpec spec;
   spec.samples = arguments.depth == "8"    ? image::SampleType::u8
@@ -76,7 +72,7 @@ void render_picture(const Arguments& arguments) {
   const raster::Renderer renderer(read_frame(reader, arguments.frame), options);
   spec.width = renderer.width();
   spec.height = renderer.height();
-  spec.channels = channels_on(background, renderer.channels());
+  spec.channels = image::channels_on(background, renderer.channels());
   const auto writer = image::open_image_writer(arguments.output, spec);
   stream_rendering(renderer, background, *writer);
   writer->finish();
@@ -87,15 +83,16 @@ void render(const Arguments& arguments) {
     render_picture(arguments);
     return;
   }
-  if (!arguments.crop.empty() || !arguments.background.empty()) {
-    refuse("--crop and --background are for single pictures");
-  }
   RenderVideo video = arguments.video;
   video.input = arguments.input;
   video.output = arguments.output;
   video.format = arguments.format;
   video.scale = arguments.scale;
   video.size = arguments.size;
+  video.crop = arguments.crop;
+  if (!arguments.background.empty()) {
+    video.background = parse_colour("--background", arguments.background);
+  }
   video.depth = arguments.depth == "8" ? 0 : 16;
   video.aliased = arguments.aliased;
   video.threads = arguments.threads;

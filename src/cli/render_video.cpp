@@ -50,17 +50,33 @@ pipeline::RenderJob make_job(const RenderVideo& arguments, document::Reader& rea
   job.video.options = write_options(arguments.encoding, arguments.format, arguments.threads);
   job.video.width = size.width;
   job.video.height = size.height;
+  if (!arguments.crop.empty()) {
+    const Rect crop = parse_crop(arguments.crop, size);
+    job.video.crop = {crop.x, crop.y, crop.width, crop.height};
+  }
+  job.video.background = arguments.background;
   job.video.depth = arguments.depth;
   job.video.antialias = !arguments.aliased;
   job.stop = [] { return interrupted(); };
   return job;
 }
 
+nlohmann::ordered_json head_json(const RenderVideo& arguments, const pipeline::RenderJob& job) {
+  return {{"version", KNOTREEL_VERSION},
+          {"input", arguments.input},
+          {"output", arguments.output},
+          {"width", job.video.crop ? job.video.crop->width : job.video.width},
+          {"height", job.video.crop ? job.video.crop->height : job.video.height},
+          {"frame_rate", {job.rate.num, job.rate.den}},
+          {"threads", arguments.threads}};
+}
+
 void tell(const RenderVideo& arguments, const pipeline::Summary& summary) {
   for (const std::string& line : summary.warnings) warn(line);
   if (arguments.format == "hash") {
     write_text("-", summary.digest + "\n");
-  } else if ((arguments.output != "-" || arguments.format == "null") && arguments.progress != "-") {
+  } else if ((arguments.output != "-" || arguments.format == "null") && arguments.progress != "-" &&
+             arguments.stats != "-") {
     const bool nowhere = arguments.format == "null";
     write_text("-", summary_text(nowhere ? arguments.format : arguments.output, summary));
   }
@@ -74,13 +90,18 @@ void add_render_video_options(CLI::App& command, RenderVideo& options) {
       ->type_name("A-B");
   command
       .add_option("--fps", options.fps,
-                  "Frames per second, such as 25 or 30000/1001: frames are repeated or\n"
-                  "left out. Without, each has the time that the document says")
+                  "Frames per second, such as 25 or 30000/1001: frames in between are made\n"
+                  "of what moves on from one to the next, but not across cuts. Without, each\n"
+                  "has the time that the document says")
       ->type_name("R");
   add_video_output_options(command, options.encoding);
   command
       .add_option("--progress", options.progress,
                   "Write lines key=value after every frame; '-': standard output")
+      ->type_name("FILE");
+  command
+      .add_option("--stats", options.stats,
+                  "Write counts, bytes and time of every frame as JSON; '-': standard output")
       ->type_name("FILE");
   command.option_defaults()->group("Options");
 }
@@ -104,16 +125,25 @@ void render_video(const RenderVideo& arguments) {
   const video::Rational ticks = pipeline::stream_info(reader.info()).time_base;
   ProgressFile progress(arguments.progress,
                         job.rate.known() ? video::Rational{job.rate.den, job.rate.num} : ticks);
+  VideoStats stats(arguments.stats, head_json(arguments, job));
   pipeline::Summary summary;
   {
     VideoLine line(reader.frame_count());
     job.on_frame = [&](const pipeline::FrameRow& row) {
       line.show(row);
       progress.show(row);
+      stats.add(drawn_json(row));
     };
     summary = pipeline::run_render(job);
   }
   progress.end();
+  stats.finish({{"frame_count", summary.frames},
+                {"seconds", summary.seconds},
+                {"fps", summary.fps},
+                {"knots", summary.knots},
+                {"control_points", summary.control_points},
+                {"document_bytes", summary.document_bytes},
+                {"interrupted", summary.stopped}});
   tell(arguments, summary);
   check_stopped(summary);
 }

@@ -4,6 +4,7 @@
 #include <string>
 
 #include "cli/video_options.h"
+#include "knotreel/image/background.h"
 
 namespace knotreel::cli {
 
@@ -14,6 +15,8 @@ struct RenderVideo {
   std::string format;
   double scale = 1;
   std::string size;
+  std::string crop;  ///< in pixels of the whole; empty: all of it
+  image::Background background;
   int depth = 0;  ///< bits per component; 0: as the document says
   bool aliased = false;
   int threads = 0;
@@ -21,6 +24,7 @@ struct RenderVideo {
   std::string frames;  ///< "A-B", "A-" or "A"; empty: all
   std::string fps;     ///< empty: times as stored
   std::string progress;
+  std::string stats;
   VideoOutputOptions encoding;
 };
 

@@ -17,6 +17,7 @@ using Json = nlohmann::ordered_json;
 using Microseconds = std::chrono::duration<double, std::micro>;
 
 constexpr const char* kHead = "{\"displayTimeUnit\": \"ms\", \"traceEvents\": [";
+const std::string kColdStage = "cold";
 constexpr const char* kTail = "\n]}\n";
 
 std::string event(const std::string& name, double begin, double duration, int thread,
@@ -53,6 +54,8 @@ void Trace::write(const std::string& events) {
 
 void Trace::add(const pipeline::FrameRow& row) {
   if (descriptor_ < 0) return;
+  const bool made_ahead = std::any_of(row.spans.begin(), row.spans.end(),
+                                      [](const pipeline::StageSpan& s) { return s.stage == kColdStage; });
   std::string events;
   const auto put = [&](const std::string& name, double begin, double duration, int thread) {
     events += (first_ ? "\n" : ",\n") + event(name, begin, duration, thread, row);
@@ -65,6 +68,7 @@ void Trace::add(const pipeline::FrameRow& row) {
     if (span.stage != "model") continue;
     // Its parts follow each other on the same thread; only how long they took is known.
     for (const auto& [part, milliseconds] : row.model_milliseconds) {
+      if (made_ahead && (part == kColdStage || part == "measure")) continue;
       const double duration = std::min(1000 * milliseconds, end - begin);
       put(part, begin, duration, span.thread);
       begin += duration;

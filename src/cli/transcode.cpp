@@ -67,6 +67,10 @@ void add_outputs(CLI::App& command, Arguments& arguments) {
                   "Write when each thread worked on which stage of which frame, for\n"
                   "chrome://tracing or Perfetto")
       ->type_name("FILE");
+  command
+      .add_option("--debug-dir", run.debug_dir,
+                  "Write PNG pictures of how frames were made, into a folder for each")
+      ->type_name("DIR");
 }
 
 constexpr const char* kFooter = R"(

@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <optional>
-#include <sstream>
 #include <utility>
 
 #include "cli/command.h"
@@ -12,11 +11,11 @@
 #include "cli/pictures.h"
 #include "cli/progress_line.h"
 #include "cli/stats.h"
+#include "cli/still_document.h"
 #include "cli/vectorize_options.h"
 #include "cli/vectorize_video.h"
 #include "knotreel/base/output_file.h"
 #include "knotreel/base/parallel.h"
-#include "knotreel/document/writer.h"
 #include "knotreel/image/metrics.h"
 #include "knotreel/image/read_image.h"
 #include "knotreel/vectorize/vectorize.h"
@@ -33,25 +32,6 @@ struct Arguments {
   int threads = 0;
   VideoRun video;  ///< what only matters for videos
 };
-
-/// A document of one frame in memory, and that frame as it was stored, that is quantised.
-struct Stored {
-  std::string bytes;
-  document::FrameModel model;
-};
-
-Stored encode(const image::Image& image, const document::FrameModel& model) {
-  document::SequenceInfo info;
-  info.width = image.width;
-  info.height = image.height;
-  info.channels = image.channels;
-  info.degree = model.space->degree();
-  std::ostringstream bytes;
-  document::Writer writer(bytes, info, {.rename_knots = true});
-  document::FrameModel stored = writer.append(model);
-  writer.finish();
-  return {std::move(bytes).str(), std::move(stored)};
-}
 
 /// Debug pictures, if any are wanted, on a clock of their own.
 class Watcher {
@@ -104,7 +84,7 @@ void probe_outputs(const Arguments& arguments) {
 /// All that docs/stats.md promises.
 nlohmann::ordered_json stats_json(const Arguments& arguments, const image::Image& image,
                                   const vectorize::Options& options, const vectorize::Report& report,
-                                  const Stored& document, const image::ImageMetrics& metrics) {
+                                  const StillDocument& document, const image::ImageMetrics& metrics) {
   const auto& space = *document.model.space;
   nlohmann::ordered_json stats{{"version", KNOTREEL_VERSION},
                                {"input", arguments.input},
@@ -145,7 +125,7 @@ void vectorize_picture(const Arguments& arguments) {
   check_interrupted();
   timer.finish("vectorize");
 
-  const Stored document = encode(image, made.model);
+  const StillDocument document = still_document(image, made.model);
   OutputFile file(arguments.output);
   file.write(document.bytes);
   file.commit();
@@ -174,13 +154,13 @@ void vectorize(const Arguments& arguments) {
   if (arguments.output.empty() && !split) {
     throw Error(ErrorKind::kInvalidArgument, "--output is required (see knotreel vectorize --help)");
   }
-  const bool picture = !arguments.debug_dir.empty();  // there are none of videos
-  if (split || (!picture && is_video(arguments.input, arguments.video.reading))) {
+  if (split || is_video(arguments.input, arguments.video.reading)) {
     VideoRun run = arguments.video;
     run.input = arguments.input;
     run.document = arguments.output;
     run.options = arguments.options;
     run.stats = arguments.stats;
+    run.debug_dir = arguments.debug_dir;
     run.threads = arguments.threads;
     vectorize_video(std::move(run));
   } else {
@@ -206,8 +186,7 @@ Examples:
 void add_vectorize_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("vectorize", "Turn a picture or a video into a vector document");
   const auto arguments = std::make_shared<Arguments>();
-  command
-      ->add_option("INPUT", arguments->input, "Picture or video to read; '-': a picture from standard input")
+  command->add_option("INPUT", arguments->input, "Picture or video to read; '-': standard input")
       ->type_name("")
       ->required();
   command
@@ -220,7 +199,8 @@ void add_vectorize_command(CLI::App& program) {
       ->type_name("FILE");
   command
       ->add_option("--debug-dir", arguments->debug_dir,
-                   "Write PNG pictures of every stage into this folder, made if missing")
+                   "Write PNG pictures of every stage into this folder, made if missing;\n"
+                   "of a video, into a folder for each frame")
       ->type_name("DIR");
   add_threads_option(*command, arguments->threads);
   add_vectorize_video_options(*command, arguments->video);

@@ -112,9 +112,9 @@ VideoStats::VideoStats(const std::string& path, const Json& head) {
   file_->write(text.substr(0, text.size() - 2) + ",\n  \"frames\": [");
 }
 
-void VideoStats::add(const pipeline::FrameRow& row) {
+void VideoStats::add(const Json& row) {
   if (!file_) return;
-  file_->write((first_ ? "\n    " : ",\n    ") + text_of(row_json(row), -1));
+  file_->write((first_ ? "\n    " : ",\n    ") + text_of(row, -1));
   first_ = false;
 }
 
@@ -142,6 +142,16 @@ Json row_json(const pipeline::FrameRow& row) {
           {"model", milliseconds_json(row.model_milliseconds)}};
 }
 
+Json drawn_json(const pipeline::FrameRow& row) {
+  return {{"frame", row.index},
+          {"pts", row.pts},
+          {"knots", row.knots},
+          {"control_points", row.control_points},
+          {"bytes", row.bytes},
+          {"finished", row.finished_seconds},
+          {"milliseconds", milliseconds_json(row.milliseconds)}};
+}
+
 Json summary_json(const pipeline::Summary& s) {
   return {{"frame_count", s.frames},
           {"keyframes", s.keyframes},
@@ -151,6 +161,7 @@ Json summary_json(const pipeline::Summary& s) {
           {"first_frame_seconds", s.first_frame_seconds},
           {"psnr", finite(s.psnr)},
           {"mec", s.mec},
+          {"meg", s.meg},
           {"ssim", s.ssim},
           {"knots", s.knots},
           {"control_points", s.control_points},

@@ -57,7 +57,8 @@ class VideoStats {
   /// @param path  empty: none. @param head  what is known before the first frame.
   VideoStats(const std::string& path, const nlohmann::ordered_json& head);
 
-  void add(const pipeline::FrameRow& row);
+  /// A row of `frames`.
+  void add(const nlohmann::ordered_json& row);
   void finish(const nlohmann::ordered_json& tail);
 
  private:
@@ -67,6 +68,7 @@ class VideoStats {
 
 /// Members of a row and of a summary, as docs/stats.md tells.
 nlohmann::ordered_json row_json(const pipeline::FrameRow& row);
+nlohmann::ordered_json drawn_json(const pipeline::FrameRow& row);  ///< of a frame that was only drawn
 nlohmann::ordered_json summary_json(const pipeline::Summary& summary);
 
 }  // namespace knotreel::cli

@@ -8,11 +8,13 @@
 #include <thread>
 
 #include "cli/command.h"
+#include "cli/debug/video_debug.h"
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
 #include "cli/output_size.h"
 #include "cli/peak_memory.h"
 #include "cli/side_by_side.h"
+#include "cli/standard_input.h"
 #include "cli/trace.h"
 #include "cli/video_report.h"
 #include "knotreel/base/error.h"
@@ -30,6 +32,7 @@ namespace fs = std::filesystem;
 /// tells most of it.
 constexpr double kShareOfPixels = 0.02;
 constexpr std::size_t kLeastControlPoints = 256;
+constexpr std::size_t kStartBytes = 16;  // tell a picture
 
 vectorize::Options cold_options(const VideoRun& run, std::uint64_t pixels) {
   VectorizeOptions given = run.options;
@@ -57,6 +60,18 @@ nlohmann::ordered_json head_json(const VideoRun& run, const pipeline::Job& job) 
           {"tracking", tracking_json(job.tracking)}};
 }
 
+void warn_all(const std::vector<std::string>& lines) {
+  for (const std::string& line : lines) warn(line);
+}
+
+void check_standard_output(const VideoRun& run) {
+  int uses = 0;
+  for (const std::string& path : {run.document, run.video.path, run.stats, run.progress}) uses += path == "-";
+  if (uses > 1) throw Error(ErrorKind::kInvalidArgument, "only one output can be standard output");
+}
+
+}  // namespace
+
 pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
   const video::StreamInfo& info = reader.info();
   pipeline::Job job;
@@ -74,32 +89,24 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
     job.beside = run.side_by_side;
     job.compose = side_by_side;
   }
+  if (!run.debug_dir.empty()) job.watch = debug::watch_into(run.debug_dir);
   job.stop = [] { return interrupted(); };
   return job;
 }
 
-void warn_all(const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) warn(line);
-}
-
-void check_standard_output(const VideoRun& run) {
-  int uses = 0;
-  for (const std::string& path : {run.document, run.video.path, run.stats, run.progress}) uses += path == "-";
-  if (uses > 1) throw Error(ErrorKind::kInvalidArgument, "only one output can be standard output");
-}
-
-}  // namespace
-
 bool is_video(const std::string& input, const VideoInputOptions& options) {
   if (!options.format.empty()) return true;
-  if (input == "-") return false;
+  if (input == "-") {
+    const std::vector<std::byte> start = peek_standard_input(kStartBytes);
+    return !start.empty() && !image::detect_format(start);
+  }
   std::error_code ignored;
   if (fs::is_directory(input, ignored) || input.find("://") != std::string::npos) return true;
   if (!fs::exists(input, ignored)) return input.find_first_of("*?%") != std::string::npos;
   if (!fs::is_regular_file(input, ignored)) return false;
   const std::string extension = fs::path(input).extension().string();
   const bool named = !extension.empty() && !image::format_of_extension(extension.substr(1));
-  return named && !image::detect_format(read_start(input, 16));
+  return named && !image::detect_format(read_start(input, kStartBytes));
 }
 
 pipeline::Summary run_video(const VideoRun& run) {
@@ -117,7 +124,7 @@ pipeline::Summary run_video(const VideoRun& run) {
       line.show(row);
       progress.show(row);
       trace.add(row);
-      stats.add(row);
+      stats.add(row_json(row));
     };
     summary = pipeline::run_graph(job);
   }

@@ -20,6 +20,7 @@ struct VideoRun {
   double scale = 1;          ///< of the video
   std::string size;          ///< of the video; wins over scale unless empty
   std::string side_by_side;  ///< video of input, result and knot mesh; empty: none
+  std::string debug_dir;     ///< pictures of every frame; empty: none
   std::string stats;
   std::string progress;
   std::string trace;
@@ -28,6 +29,9 @@ struct VideoRun {
 
 /// Whether an input is to be read as a video: a folder, a pattern, a URL, or a file that is no picture.
 bool is_video(const std::string& input, const VideoInputOptions& options);
+
+/// The job for it. @param reader  of the input; must outlive the job.
+pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader);
 
 /// Does it, with all lines, files and warnings beside it.
 /// @throws Error{kInterrupted} after a signal, when all files are whole.

@@ -28,6 +28,10 @@ class FileBuffer : public std::streambuf {
     bytes_ += size;
     return count;
   }
+  int sync() override {
+    if (file_) file_->flush();
+    return 0;
+  }
   int_type overflow(int_type c) override {
     const char text = traits_type::to_char_type(c);
     xsputn(&text, 1);
@@ -57,7 +61,9 @@ DocumentSink::DocumentSink(const std::string& path, const document::SequenceInfo
 DocumentSink::~DocumentSink() = default;
 
 document::FrameModel DocumentSink::append(const document::FrameModel& model) {
-  return writer_.append(model);
+  document::FrameModel stored = writer_.append(model);
+  stream_->out.flush();
+  return stored;
 }
 
 std::uint64_t DocumentSink::bytes() const {

@@ -16,7 +16,7 @@ class DocumentSink {
                const document::EncodeOptions& options = {});
   ~DocumentSink();
 
-  /// As document::Writer::append().
+  /// As document::Writer::append(); the frame is in the file then, whatever becomes of the program.
   document::FrameModel append(const document::FrameModel& model);
 
   /// Bytes so far.

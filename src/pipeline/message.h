@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "knotreel/base/happens_before.h"
 #include "knotreel/document/frame_model.h"
 #include "knotreel/image/image.h"
 #include "knotreel/pipeline/job.h"
@@ -15,10 +16,15 @@ struct Message {
   std::shared_ptr<const image::Image> picture;
   std::shared_ptr<const image::Image> before;  ///< null for the first frame
   std::unique_ptr<track::Motion> motion;
-  document::FrameModel model;  ///< from the stage "documents" on: as stored
-  image::Image rendering;      ///< of the size of the output
-  image::Image beside;         ///< what Job::compose made
+  bool starts_group = false;               ///< for certain or nearly so; drift is not foreseen
+  std::shared_ptr<track::ColdFrame> cold;  ///< made ahead, if it starts a group
+  document::FrameModel model;              ///< from the stage "documents" on: as stored
+  document::FrameModel next;  ///< the frame after, if `model` is to be taken on the way to it ...
+  double share = 0;           ///< ... by so much
+  image::Image rendering;     ///< of the size of the output
+  image::Image beside;        ///< what Job::compose made
   FrameRow row;
+  HappensBefore passed_on;  ///< by the stage before
 };
 
 /// Messages are moved from stage to stage by the graph, which copies.

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <utility>
 
+#include "knotreel/base/happens_before.h"
 #include "pipeline/message.h"
 
 /// The kinds of nodes that the graphs are made of.
@@ -22,19 +23,48 @@ using LastNode = flow::function_node<MessagePtr, flow::continue_msg>;
 template <class Body>
 auto isolated(Body body) {
   return [body](const MessagePtr& message) {
+    message->passed_on.acquire();
     oneapi::tbb::this_task_arena::isolate([&] { body(*message); });
+    message->passed_on.release();
+    return message;
+  };
+}
+
+/// The same for a serial stage.
+/// @param turn  of the stage; must outlive the graph.
+template <class Body>
+auto in_turn(HappensBefore& turn, Body body) {
+  return [&turn, body = isolated(body)](const MessagePtr& message) {
+    turn.acquire();
+    body(message);
+    turn.release();
     return message;
   };
 }
 
 /// Takes frames as long as there are some.
 template <class Next>
-auto source(Next next) {
-  return [next](oneapi::tbb::flow_control& control) {
+auto source(HappensBefore& turn, Next next) {
+  return [&turn, next](oneapi::tbb::flow_control& control) {
+    turn.acquire();
     MessagePtr message;
     oneapi::tbb::this_task_arena::isolate([&] { message = next(); });
-    if (!message) control.stop();
+    if (message) {
+      message->passed_on.release();
+    } else {
+      control.stop();
+    }
+    turn.release();
     return message;
+  };
+}
+
+/// The last, serial stage.
+template <class Body>
+auto last_in_turn(HappensBefore& turn, Body body) {
+  return [body = in_turn(turn, body)](const MessagePtr& message) {
+    body(message);
+    return flow::continue_msg();
   };
 }
 

@@ -31,7 +31,7 @@ double seconds_between(Clock::time_point start, Clock::time_point end) {
 
 PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo& source,
                              const video::VideoReader* copied, FrameObserver on_frame)
-    : on_frame_(std::move(on_frame)) {
+    : background_(output.background), on_frame_(std::move(on_frame)) {
   video::StreamInfo frames = source;
   if (output.width > 0) frames.width = output.width;
   if (output.height > 0) frames.height = output.height;
@@ -40,6 +40,17 @@ PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo&
   at_output_.width = frames.width;
   at_output_.height = frames.height;
   at_output_.antialias = output.antialias;
+  if (output.crop) {
+    same_size_ = false;
+    at_output_.crop_x = output.crop->x;
+    at_output_.crop_y = output.crop->y;
+    at_output_.crop_width = frames.width = output.crop->width;
+    at_output_.crop_height = frames.height = output.crop->height;
+  }
+  if (image::channels_on(background_, frames.channels) != frames.channels) {
+    frames.channels = image::channels_on(background_, frames.channels);
+    frames.pixel_format.clear();  // it has alpha
+  }
   if (output.path.empty()) return;
   writer_.emplace(video::VideoWriter::create(output.path, frames, output.options, copied));
 }
@@ -51,6 +62,8 @@ void PictureOutput::draw(Message& message) const {
     if (writer_ && same_size_) message.rendering = std::move(own);
   }
   if (writer_ && message.rendering.samples.empty()) message.rendering = rendered(message.model, at_output_);
+  image::put_on_background(message.rendering.samples, message.rendering.channels, background_);
+  message.rendering.channels = image::channels_on(background_, message.rendering.channels);
 }
 
 void PictureOutput::write(Message& message) {
@@ -73,6 +86,7 @@ void PictureOutput::sum_up(FrameRow& row) {
   ++sums_.frames;
   squared_error_ += std::pow(10.0, -row.psnr / 10);
   sums_.mec += row.mec;
+  sums_.meg += row.meg;
   sums_.ssim += row.ssim;
   sums_.knots += static_cast<double>(row.knots);
   sums_.control_points += static_cast<double>(row.control_points);
@@ -98,7 +112,8 @@ Summary PictureOutput::finish() {
   const double warm = n - static_cast<double>(summary.keyframes);
   summary.fps = n / summary.seconds;
   summary.psnr = -10 * std::log10(squared_error_ / n);
-  for (double* sum : {&summary.mec, &summary.ssim, &summary.knots, &summary.control_points}) *sum /= n;
+  for (double* sum : {&summary.mec, &summary.meg, &summary.ssim, &summary.knots, &summary.control_points})
+    *sum /= n;
   if (warm > 0) summary.survival /= warm;
   return summary;
 }

@@ -37,6 +37,7 @@ class PictureOutput {
   raster::RenderOptions at_output_;
   std::optional<video::VideoWriter> writer_;
   bool same_size_ = false;
+  image::Background background_;
   FrameObserver on_frame_;
   Clock::time_point start_ = Clock::now();
   std::clock_t cpu_start_ = std::clock();

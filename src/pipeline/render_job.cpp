@@ -1,6 +1,10 @@
 #include "knotreel/pipeline/render_job.h"
 
+#include <array>
+#include <optional>
+
 #include "knotreel/spline/space.h"
+#include "knotreel/track/between.h"
 #include "pipeline/nodes.h"
 #include "pipeline/schedule.h"
 #include "pipeline/timed.h"
@@ -23,8 +27,12 @@ class RenderStages {
     auto message = std::make_shared<Message>();
     message->index = next_;
     const Showing& showing = schedule_.frames[next_++];
-    timed(failure_, "read", *message, [&] { message->model = job_.reader->read(showing.frame); });
+    timed(failure_, "read", *message, [&] {
+      message->model = read(showing.frame);
+      if (showing.share > 0) message->next = read(showing.frame + 1);
+    });
     if (failure_.any()) return nullptr;
+    message->share = showing.share;
     message->frame.pts = showing.pts;
     message->frame.duration = showing.duration;
     FrameRow& row = message->row;
@@ -38,6 +46,8 @@ class RenderStages {
 
   void rasterize(Message& message) {
     timed(failure_, "rasterize", message, [&] {
+      if (message.share > 0) message.model = track::between(message.model, message.next, message.share);
+      message.next = {};
       output_.draw(message);
       message.model = {};
     });
@@ -57,7 +67,20 @@ class RenderStages {
   }
 
  private:
+  /// The same two frames may be asked for again and again; going back in a document is dear.
+  const document::FrameModel& read(std::size_t frame) {
+    Kept& kept = kept_[frame % kept_.size()];
+    if (kept.frame != frame) kept = {frame, job_.reader->read(frame)};
+    return kept.model;
+  }
+
+  struct Kept {
+    std::optional<std::size_t> frame;
+    document::FrameModel model;
+  };
+
   const RenderJob& job_;
+  std::array<Kept, 2> kept_;
   Schedule schedule_;
   PictureOutput output_;
   FirstFailure failure_;
@@ -69,16 +92,13 @@ class RenderStages {
 
 Summary run_render(const RenderJob& job) {
   RenderStages stages(job);
+  HappensBefore decoded, encoded;
   flow::graph graph;
-  flow::input_node<MessagePtr> read(graph, source([&] { return stages.read(); }));
+  flow::input_node<MessagePtr> read(graph, source(decoded, [&] { return stages.read(); }));
   flow::limiter_node<MessagePtr> limiter(graph, frames_in_flight(job.frames_in_flight));
   Node rasterize(graph, flow::unlimited, isolated([&](Message& m) { stages.rasterize(m); }));
   flow::sequencer_node<MessagePtr> in_order(graph, ByIndex{});
-  const auto body = isolated([&](Message& m) { stages.encode(m); });
-  LastNode encode(graph, flow::serial, [body](const MessagePtr& m) {
-    body(m);
-    return flow::continue_msg();
-  });
+  LastNode encode(graph, flow::serial, last_in_turn(encoded, [&](Message& m) { stages.encode(m); }));
   flow::make_edge(read, limiter);
   flow::make_edge(limiter, rasterize);
   flow::make_edge(rasterize, in_order);
@@ -86,6 +106,8 @@ Summary run_render(const RenderJob& job) {
   flow::make_edge(encode, limiter.decrementer());
   read.activate();
   graph.wait_for_all();
+  decoded.acquire();  // it was asked once more after the last frame
+  encoded.acquire();
   return stages.finish();
 }
 

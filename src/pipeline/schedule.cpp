@@ -21,14 +21,6 @@ std::size_t checked_last(const RenderJob& job) {
   return last;
 }
 
-/// Of the last frame of a document: what the document says, else as long as the frame before.
-std::int64_t last_duration(const document::Reader& reader) {
-  const std::size_t count = reader.frame_count();
-  const std::int64_t nominal = nominal_duration(stream_info(reader.info()));
-  if (nominal > 0) return nominal;
-  return count > 1 ? reader.record(count - 1).pts - reader.record(count - 2).pts : 0;
-}
-
 /// A video rendered from its middle on starts at zero all the same.
 std::vector<Showing> as_stored(const RenderJob& job, std::size_t last) {
   std::vector<Showing> frames;
@@ -37,23 +29,36 @@ std::vector<Showing> as_stored(const RenderJob& job, std::size_t last) {
     const std::int64_t pts = job.reader->record(i).pts;
     const bool ends = i + 1 == job.reader->frame_count();
     frames.push_back(
-        {i, pts - shift, ends ? last_duration(*job.reader) : job.reader->record(i + 1).pts - pts});
+        {i, 0, pts - shift, ends ? last_duration(*job.reader) : job.reader->record(i + 1).pts - pts});
   }
   return frames;
 }
 
-/// At every tick of the new rate the frame whose time is nearest.
-std::vector<Showing> resampled(const std::vector<Showing>& stored, double ticks_per_frame) {
+/// How far a time is from one frame to the next. Nothing lies between the last frame of a group and the next
+/// group: it stays until that begins.
+double share_between(const document::Reader& reader, const std::vector<Showing>& stored, std::size_t i,
+                     double time) {
+  if (i + 1 == stored.size() || reader.record(stored[i + 1].frame).keyframe) return 0;
+  const double begin = static_cast<double>(stored[i].pts);
+  return std::max(0.0, (time - begin) / (static_cast<double>(stored[i + 1].pts) - begin));
+}
+
+/// Frames at the ticks of another rate.
+std::vector<Showing> resampled(const document::Reader& reader, const std::vector<Showing>& stored,
+                               double ticks_per_frame) {
   const std::int64_t begin = stored.front().pts;
   const double length = static_cast<double>(stored.back().pts + stored.back().duration - begin);
   const auto count = std::max(1LL, std::llround(length / ticks_per_frame));
+  // Times that are meant to be those of a frame are so but for rounding.
+  const double slack = 1e-6 * ticks_per_frame;
   std::vector<Showing> frames;
-  std::size_t nearest = 0;
+  std::size_t at = 0;
   for (std::int64_t k = 0; k < count; ++k) {
-    const double time = static_cast<double>(begin) + static_cast<double>(k) * ticks_per_frame;
-    const auto distance = [&](std::size_t i) { return std::abs(static_cast<double>(stored[i].pts) - time); };
-    while (nearest + 1 < stored.size() && distance(nearest + 1) <= distance(nearest)) ++nearest;
-    frames.push_back({stored[nearest].frame, k, 1});
+    const double time = static_cast<double>(begin) + static_cast<double>(k) * ticks_per_frame + slack;
+    while (at + 1 < stored.size() && static_cast<double>(stored[at + 1].pts) <= time) ++at;
+    double share = share_between(reader, stored, at, time);
+    if (share * static_cast<double>(stored[at].duration) <= 2 * slack) share = 0;
+    frames.push_back({stored[at].frame, share, k, 1});
   }
   return frames;
 }
@@ -66,7 +71,7 @@ Schedule make_schedule(const RenderJob& job) {
   if (job.first > 0) schedule.stream.start = 0;
   if (!job.rate.known()) return schedule;
   const double ticks = 1 / (job.rate.value() * schedule.stream.time_base.value());
-  schedule.frames = resampled(schedule.frames, ticks);
+  schedule.frames = resampled(*job.reader, schedule.frames, ticks);
   schedule.stream.frame_rate = job.rate;
   schedule.stream.time_base = {job.rate.den, job.rate.num};
   schedule.stream.start = 0;

@@ -10,6 +10,7 @@ namespace knotreel::pipeline {
 /// Which frame of a document is shown when.
 struct Showing {
   std::size_t frame = 0;  ///< place in the document
+  double share = 0;       ///< of the way to the next frame, below 1; see track::between()
   std::int64_t pts = 0;
   std::int64_t duration = 0;
 };

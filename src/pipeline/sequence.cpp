@@ -104,9 +104,7 @@ document::SequenceInfo sequence_info(const video::StreamInfo& stream, const std:
   if (stream.frame_rate.known()) info.metadata["frame_rate"] = text_of(stream.frame_rate);
   if (stream.sample_aspect.known()) info.metadata["sample_aspect"] = text_of(stream.sample_aspect);
   if (!stream.display_matrix.empty()) info.metadata["display_matrix"] = hex_of(stream.display_matrix);
-  if (const std::int64_t ticks = nominal_duration(stream)) {
-    info.metadata["last_duration"] = std::to_string(ticks);
-  }
+  if (stream.end > 0) info.metadata["end"] = std::to_string(stream.end);
   return info;
 }
 
@@ -124,12 +122,23 @@ video::StreamInfo stream_info(const document::SequenceInfo& info) {
   stream.colour = colour_tags(value(metadata, "colour_tags"));
   stream.display_matrix = bytes_of(value(metadata, "display_matrix"));
   stream.start = number(value(metadata, "start"), 0);
+  stream.end = number(value(metadata, "end"), 0);
   return stream;
 }
 
 std::int64_t nominal_duration(const video::StreamInfo& stream) {
   if (!stream.frame_rate.known()) return 0;
   return std::llround(1 / (stream.frame_rate.value() * stream.time_base.value()));
+}
+
+std::int64_t last_duration(const document::Reader& reader) {
+  const std::size_t last = reader.frame_count() - 1;
+  const std::int64_t pts = reader.record(last).pts;
+  const video::StreamInfo stream = stream_info(reader.info());
+  std::int64_t usual = nominal_duration(stream);
+  if (usual <= 0 && last > 0) usual = pts - reader.record(last - 1).pts;
+  const std::int64_t told = stream.end - pts;
+  return told > usual / 4 && told < usual * 4 ? told : usual;
 }
 
 }  // namespace knotreel::pipeline

@@ -7,6 +7,8 @@ Summary run_sequential(const Job& job) {
   Stages stages(job);
   while (const MessagePtr message = stages.decode()) {
     stages.analyse(*message);
+    stages.plan(*message);
+    stages.cold(*message);
     stages.model(*message);
     stages.documents(*message);
     stages.rasterize(*message);

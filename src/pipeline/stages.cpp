@@ -7,6 +7,7 @@
 #include "knotreel/motion/cut.h"
 #include "knotreel/motion/luma.h"
 #include "knotreel/pipeline/sequence.h"
+#include "knotreel/track/curve_error.h"
 #include "pipeline/timed.h"
 
 namespace knotreel::pipeline {
@@ -47,6 +48,7 @@ Stages::Stages(const Job& job)
       output_(job.video, job.reader->info(), job.reader, job.on_frame),
       beside_(job),
       document_(job.document, info_),
+      groups_(job.tracking),
       tracker_(job.cold, job.tracking) {
   make_folder(job.split_folder);
 }
@@ -77,10 +79,22 @@ void Stages::analyse(Message& message) {
   });
 }
 
+void Stages::plan(Message& message) {
+  message.starts_group = groups_.next(message.motion.get()) != track::Start::kWarm;
+}
+
+void Stages::cold(Message& message) {
+  if (!message.starts_group) return;
+  timed(failure_, "cold", message, [&] {
+    const auto observer = job_.watch.cold ? job_.watch.cold(message.index) : vectorize::Observer();
+    message.cold = track::make_cold_frame(*message.picture, job_.cold, observer);
+  });
+}
+
 void Stages::model(Message& message) {
   timed(failure_, "model", message, [&] {
     track::FrameReport report;
-    message.model = tracker_.next(*message.picture, message.motion.get(), &report);
+    message.model = tracker_.next(*message.picture, message.motion.get(), &report, std::move(message.cold));
     message.motion.reset();
     message.model.frame = message.index;
     message.model.pts = message.frame.pts;
@@ -112,7 +126,9 @@ void Stages::write_single(const Message& message) {
 void Stages::rasterize(Message& message) {
   timed(failure_, "rasterize", message, [&] {
     output_.draw(message);
+    message.row.meg = track::curve_error(message.model, motion::luma_of(*message.picture));
     beside_.compose(message);
+    if (job_.watch.stored) job_.watch.stored(message.index, *message.picture, message.model);
     message.model = {};
     message.picture.reset();
   });

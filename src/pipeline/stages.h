@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "knotreel/track/group_rule.h"
 #include "pipeline/beside_output.h"
 #include "pipeline/document_sink.h"
 #include "pipeline/failure.h"
@@ -11,8 +12,8 @@
 
 namespace knotreel::pipeline {
 
-/// The stages of a Job. analyse() and rasterize() may work on several messages at once, each of the others
-/// on one at a time and in order. No stage but finish() throws: see FirstFailure.
+/// The stages of a Job. analyse(), cold() and rasterize() may work on several messages at once, each of the
+/// others on one at a time and in order. No stage but finish() throws: see FirstFailure.
 class Stages {
  public:
   /// Opens the outputs. @throws as they do.
@@ -21,6 +22,10 @@ class Stages {
   /// The next frame, with the picture before it; null at the end, after a stop, or after a failure.
   MessagePtr decode();
   void analyse(Message& message);
+  /// Foresees which frames start a group.
+  void plan(Message& message);
+  /// Makes those from their pictures.
+  void cold(Message& message);
   void model(Message& message);
   void documents(Message& message);
   void rasterize(Message& message);
@@ -37,6 +42,7 @@ class Stages {
   PictureOutput output_;
   BesideOutput beside_;
   DocumentSink document_;
+  track::GroupRule groups_;
   track::Tracker tracker_;
   FirstFailure failure_;
   std::shared_ptr<const image::Image> before_;

@@ -192,6 +192,17 @@ std::vector<std::uint8_t> lost_segments(const std::vector<Sample>& samples, std:
   return lost;
 }
 
+/// The steepest slope within reach, nearer ones preferred.
+double steepest_near(const motion::Luma& luma, Vec2 p, Vec2 normal, double reach) {
+  double steepest = 0;
+  for (double d = -reach; d <= reach; d += kStep) {
+    const double far = d / (reach + 1);
+    const double slope = slope_at(luma, p + d * normal, normal) * (1 - 0.6 * far * far);
+    if (std::abs(slope) > std::abs(steepest)) steepest = slope;
+  }
+  return steepest;
+}
+
 }  // namespace
 
 SnapResult snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displacement, const KnotMesh& mesh,
@@ -230,6 +241,29 @@ EdgePoints find_edge_points(const spline::Basis& basis, std::span<const Vec2> di
   }
   result.rms = std::sqrt(squares / static_cast<double>(samples.size()));
   return result;
+}
+
+double mean_edge_distance(const spline::Basis& basis, std::span<const Vec2> displacement,
+                          const motion::Luma& picture) {
+  const SnapOptions options{.dead_zone = 0};
+  const KnotMesh& mesh = basis.space().mesh();
+  const std::vector<Vec2> still(mesh.knots.size());
+  std::vector<Sample> samples = place_samples(basis, displacement, mesh, still);
+  std::vector<double> slopes(mesh.segments.size(), 0);
+  std::vector<double> counts(mesh.segments.size(), 0);
+  for (const Sample& s : samples) {
+    slopes[s.segment] += steepest_near(picture, s.position, s.normal, options.reach);
+    counts[s.segment] += 1;
+  }
+  double sum = 0;
+  double found = 0;
+  for (Sample& s : samples) {
+    find_edge(slopes[s.segment] / counts[s.segment], picture, options, s);
+    if (s.weight <= 0) continue;
+    sum += std::abs(s.offset);
+    found += 1;
+  }
+  return found > 0 ? sum / found : 0;
 }
 
 }  // namespace knotreel::track

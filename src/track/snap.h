@@ -44,4 +44,9 @@ struct EdgePoints {
 EdgePoints find_edge_points(const spline::Basis& basis, std::span<const Vec2> displacement,
                             const motion::Luma& now, const SnapOptions& options = {});
 
+/// Mean distance of the curves from the edges next to them, wherever within reach; places without an edge do
+/// not count. Pixels.
+double mean_edge_distance(const spline::Basis& basis, std::span<const Vec2> displacement,
+                          const motion::Luma& picture);
+
 }  // namespace knotreel::track

@@ -11,13 +11,15 @@
 #include "knotreel/fit/knot_gradient.h"
 #include "knotreel/knots/refine.h"
 #include "knotreel/motion/still.h"
+#include "knotreel/track/group_rule.h"
 #include "knotreel/track/idle_knots.h"
-#include "knotreel/vectorize/vectorize.h"
 #include "track/bend_geometry.h"
 #include "track/carried_geometry.h"
 #include "track/carried_links.h"
+#include "track/cold_frame.h"
 #include "track/matching.h"
 #include "track/placed_pixels.h"
+#include "track/residual.h"
 #include "track/settle.h"
 #include "track/snap.h"
 #include "track/temporal_target.h"
@@ -74,53 +76,30 @@ double share_alive(const KnotMesh& before, const KnotMesh& now) {
   return static_cast<double>(alive) / static_cast<double>(before.knots.size());
 }
 
-struct Quality {
-  double mec = 0;
-  double psnr = 0;
-};
-
-Quality quality_of(const std::vector<float>& residual, std::span<const float> weights, int channel_count) {
-  const auto channels = static_cast<std::size_t>(channel_count);
-  double length = 0;
-  double squares = 0;
-  std::size_t count = 0;
-  for (std::size_t i = 0; i < residual.size() / channels; ++i) {
-    if (!weights.empty() && weights[i] < 1) continue;
-    double squared = 0;
-    for (std::size_t c = 0; c < channels; ++c) {
-      const double d = static_cast<double>(residual[i * channels + c]);
-      squared += d * d;
-    }
-    length += std::sqrt(squared);
-    squares += squared;
-    ++count;
-  }
-  if (count == 0) return {};
-  const double n = static_cast<double>(count);
-  return {length / n, 10 * std::log10(255.0 * 255.0 * n * static_cast<double>(channels) / squares)};
-}
-
 }  // namespace
 
 class Tracker::Impl {
  public:
   Impl(const vectorize::Options& cold, const TrackOptions& options)
-      : cold_(cold), options_(options), settling_(SettleOptions{}) {
+      : cold_(cold), options_(options), groups_(options), settling_(SettleOptions{}) {
     if (options.keyframe_interval < 1) {
       throw Error(ErrorKind::kInvalidArgument, "a group has at least one frame");
     }
   }
 
-  document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport& report) {
+  document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport& report,
+                            std::shared_ptr<ColdFrame> cold) {
     report_ = &report;
     report = {};
     clock_ = std::chrono::steady_clock::now();
-    const Start start = start_of(motion);
-    if (start == Start::kWarm && make_warm(picture, *motion)) {
-      report.start = Start::kWarm;
-    } else {
-      report.start = start == Start::kWarm ? Start::kDrift : start;
-      make_cold(picture);
+    report.start = groups_.next(motion);
+    if (report.start == Start::kWarm && !make_warm(picture, *motion)) {
+      report.start = Start::kDrift;
+      groups_.restart();
+    }
+    if (report.start != Start::kWarm) {
+      take_over(cold ? std::move(*cold) : std::move(*make_cold_frame(picture, cold_)));
+      start_group(picture);
     }
     report.knots = space_->mesh().knots.size();
     report.control_points = space_->function_count();
@@ -128,15 +107,6 @@ class Tracker::Impl {
   }
 
  private:
-  Start start_of(const Motion* motion) const {
-    if (!space_) return Start::kFirst;
-    if (!options_.warm_start) return Start::kInterval;
-    if (!motion || motion::is_cut(motion->change, {.threshold = options_.scene_threshold}))
-      return Start::kCut;
-    if (group_length_ >= options_.keyframe_interval) return Start::kInterval;
-    return Start::kWarm;
-  }
-
   void lap(const char* stage) {
     const auto now = std::chrono::steady_clock::now();
     report_->milliseconds.emplace_back(stage,
@@ -146,22 +116,24 @@ class Tracker::Impl {
 
   // -- cold frames
 
-  void make_cold(const image::Image& picture) {
-    vectorize::Vectorization cold = vectorize::vectorize_picture(picture, cold_);
-    space_ = cold.model.space;
-    displacement_ = std::move(cold.model.displacement);
-    lap("cold");
-    basis_ = std::make_unique<const spline::Basis>(space_);
-    look_at(picture);
-    colours_.control = std::move(cold.model.colour);
-    keep_residual(fit::PixelValues(*basis_, seen_.picture.width, seen_.picture.height, seen_.places));
+  void take_over(ColdFrame&& cold) {
+    space_ = std::move(cold.space);
+    displacement_ = std::move(cold.displacement);
+    basis_ = std::move(cold.basis);
+    seen_ = std::move(cold.placed);
+    colours_ = std::move(cold.colours);
+    target_.reset();
+    report_->milliseconds.insert(report_->milliseconds.end(), cold.milliseconds.begin(),
+                                 cold.milliseconds.end());
+    clock_ = std::chrono::steady_clock::now();
+  }
+
+  void start_group(const image::Image& picture) {
     measure();
     group_psnr_ = report_->psnr;
     group_functions_ = space_->function_count();
-    group_length_ = 1;
     next_id_ = EditableMesh(space_->mesh()).next_id();
     settling_.clear();
-    lap("measure");
     last_psnr_ = report_->psnr;
     last_mec_ = report_->mec;
     prepare_next(picture, false);
@@ -170,17 +142,6 @@ class Tracker::Impl {
   void look_at(const image::Image& picture) {
     seen_ = place_pixels(*basis_, displacement_, picture);
     lap("places");
-  }
-
-  /// Picture minus surface, with the control points as they are.
-  void keep_residual(const fit::PixelValues& values) {
-    const image::Image& picture = seen_.picture;
-    std::vector<double> surface(picture.samples.size());
-    fit::surface_at_pixels(values, colours_.control, picture.channels, surface);
-    colours_.residual.resize(surface.size());
-    for (std::size_t i = 0; i < surface.size(); ++i) {
-      colours_.residual[i] = static_cast<float>(static_cast<double>(picture.samples[i]) - surface[i]);
-    }
   }
 
   void measure() {
@@ -219,7 +180,6 @@ class Tracker::Impl {
       ++report_->repairs;
     }
     report_->survival = share_alive(before, space_->mesh());
-    ++group_length_;
     if (report_->mec > cold_.mec && report_->psnr < group_psnr_ - options_.drift) return false;
     last_psnr_ = report_->psnr;
     last_mec_ = report_->mec;
@@ -259,7 +219,7 @@ class Tracker::Impl {
     colour.find_residual = false;
     colours_ = fit::fit_colours(values, pixels, colour, colours_before());
     hold_colours();
-    keep_residual(values);
+    colours_.residual = residual_of(seen_.picture, values, colours_.control);
     lap("colours");
   }
 
@@ -366,6 +326,7 @@ class Tracker::Impl {
 
   vectorize::Options cold_;
   TrackOptions options_;
+  GroupRule groups_;
   FrameReport* report_ = nullptr;
   std::chrono::steady_clock::time_point clock_;
 
@@ -386,7 +347,6 @@ class Tracker::Impl {
   std::unique_ptr<knots::Target> target_;
   std::uint32_t next_id_ = 0;
 
-  int group_length_ = 0;
   double group_psnr_ = 0;
   double last_psnr_ = 0;
   double last_mec_ = 0;
@@ -399,9 +359,10 @@ Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
-document::FrameModel Tracker::next(const image::Image& picture, const Motion* motion, FrameReport* report) {
+document::FrameModel Tracker::next(const image::Image& picture, const Motion* motion, FrameReport* report,
+                                   std::shared_ptr<ColdFrame> cold) {
   FrameReport own;
-  return impl_->next(picture, motion, report ? *report : own);
+  return impl_->next(picture, motion, report ? *report : own, std::move(cold));
 }
 
 }  // namespace knotreel::track

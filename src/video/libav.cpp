@@ -11,10 +11,21 @@ std::string Options::unused() const {
   return entry == nullptr ? std::string() : entry->key;
 }
 
+namespace {
+
+void count_complaint(void* context, int level, const char*, va_list) {
+  if (level > AV_LOG_ERROR || context == nullptr) return;
+  if (*static_cast<const AVClass* const*>(context) != avcodec_get_class()) return;
+  void* listener = static_cast<const AVCodecContext*>(context)->opaque;
+  if (listener != nullptr) ++*static_cast<Complaints*>(listener);
+}
+
+}  // namespace
+
 void silence_libav() {
   static const bool once = [] {
     av_log_set_level(AV_LOG_QUIET);
-    av_log_set_callback([](void*, int, const char*, va_list) {});
+    av_log_set_callback(count_complaint);
     return true;
   }();
   (void)once;

@@ -4,10 +4,13 @@ extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>
 #include <libavutil/avutil.h>
+#include <libavutil/display.h>
 #include <libavutil/frame.h>
 #include <libavutil/pixdesc.h>
 }
 
+#include <atomic>
+#include <cstdint>
 #include <memory>
 #include <string>
 
@@ -61,6 +64,9 @@ class Options {
 
 /// Stops libav from printing; of effect for the process, from the first call on.
 void silence_libav();
+
+/// How many errors a codec has told of in libav's log, if its `opaque` points here. From any thread.
+using Complaints = std::atomic<std::uint64_t>;
 
 /// What a negative result of libav means, in words.
 std::string error_text(int code);

@@ -9,6 +9,7 @@
 #include "knotreel/image/format.h"
 #include "picture_list.h"
 #include "source.h"
+#include "stream_description.h"
 
 namespace knotreel::video {
 namespace {
@@ -46,6 +47,11 @@ VideoReader::~VideoReader() = default;
 
 const StreamInfo& VideoReader::info() const {
   return state_->source->info();
+}
+
+std::vector<StreamEntry> VideoReader::streams() const {
+  const AVFormatContext* format = state_->source->format();
+  return format == nullptr ? std::vector<StreamEntry>() : list_streams(*format);
 }
 
 bool VideoReader::next(Frame& frame) {

@@ -1,7 +1,9 @@
 #include "stream_description.h"
 
+#include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 
 #include "colour_rules.h"
 #include "demuxer.h"
@@ -70,6 +72,7 @@ void estimate_length(StreamInfo& info, const AVFormatContext& format, const AVSt
   info.frames = stream.nb_frames > 0 ? std::uint64_t(stream.nb_frames)
                                      : std::uint64_t(std::llround(info.seconds * info.frame_rate.value()));
   const bool seekable = format.pb != nullptr && (format.pb->seekable & AVIO_SEEKABLE_NORMAL) != 0;
+  info.end = std::llround(told_end(stream) / info.time_base.value());
   info.still = reads_pictures(*format.iformat) && stream.nb_frames <= 1 && seekable;
   if (info.still) info.frames = 1;
 }
@@ -98,6 +101,26 @@ double told_end(const AVStream& stream) {
   double seconds = 0;
   if (entry == nullptr || std::sscanf(entry->value, "%d:%d:%lf", &hours, &minutes, &seconds) != 3) return 0;
   return 3600.0 * hours + 60.0 * minutes + seconds;
+}
+
+double rotation_degrees(const StreamInfo& info) {
+  std::array<std::int32_t, 9> matrix{};
+  if (info.display_matrix.size() != sizeof matrix) return 0;
+  std::memcpy(matrix.data(), info.display_matrix.data(), sizeof matrix);
+  const double anticlockwise = av_display_rotation_get(matrix.data());
+  return std::isfinite(anticlockwise) && anticlockwise != 0 ? -anticlockwise : 0;
+}
+
+std::vector<StreamEntry> list_streams(const AVFormatContext& format) {
+  std::vector<StreamEntry> all;
+  for (unsigned i = 0; i < format.nb_streams; ++i) {
+    const AVStream& stream = *format.streams[i];
+    const char* kind = av_get_media_type_string(stream.codecpar->codec_type);
+    const AVDictionaryEntry* language = av_dict_get(stream.metadata, "language", nullptr, 0);
+    all.push_back({int(i), kind == nullptr ? "unknown" : kind, avcodec_get_name(stream.codecpar->codec_id),
+                   language == nullptr ? "" : language->value});
+  }
+  return all;
 }
 
 }  // namespace knotreel::video

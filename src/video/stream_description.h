@@ -12,4 +12,7 @@ StreamInfo describe_stream(AVFormatContext& format, AVStream& stream, const AVCo
 /// When a track ends, in seconds; 0 if it is not told.
 double told_end(const AVStream& stream);
 
+/// All streams, those that are left out too.
+std::vector<StreamEntry> list_streams(const AVFormatContext& format);
+
 }  // namespace knotreel::video

@@ -50,7 +50,10 @@ void StreamSource::open_decoder(int threads) {
   decoder_->framerate = stream.avg_frame_rate;
   decoder_->thread_count = threads;
   decoder_->max_pixels = std::int64_t(image::kMaxPixels);
+  decoder_->err_recognition |= AV_EF_CRCCHECK;
   if (strict_) decoder_->err_recognition |= AV_EF_EXPLODE | AV_EF_CAREFUL;
+  // This one mends slices with a wrong checksum and tells of it nowhere but in the log.
+  if (codec->id == AV_CODEC_ID_FFV1) decoder_->opaque = &complaints_;
   const int result = avcodec_open2(decoder_.get(), codec, nullptr);
   if (result < 0) {
     throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "decoder '" + name + "': " + error_text(result));
@@ -90,7 +93,8 @@ FramePtr StreamSource::receive() {
     if (result >= 0) {
       ++decoded_;
       // The decoder has filled in what was missing; that is better than a gap.
-      if (frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
+      const bool complained = complaints_.exchange(0) > 0;
+      if (complained || frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
         if (strict_) damage("wrong in itself");
         ++damaged_;
         warnings_.count("damaged frames are shown as the decoder mended them");
@@ -163,9 +167,8 @@ std::int64_t StreamSource::duration_of(const AVFrame& frame) const {
 /// decoded (mp4); the end of the track tells better.
 std::int64_t StreamSource::last_duration(const AVFrame& frame) const {
   const std::int64_t usual = duration_of(frame);
-  const double end = told_end(*demuxer_.video());
-  if (end <= 0 || usual <= 0) return usual;
-  const std::int64_t told = std::llround(end / info_.time_base.value()) - frame.pts;
+  if (info_.end <= 0 || usual <= 0) return usual;
+  const std::int64_t told = info_.end - frame.pts;
   return told > usual / 4 && told < usual * 4 ? told : usual;
 }
 

@@ -36,6 +36,7 @@ class StreamSource : public Source {
 
   Demuxer demuxer_;
   bool strict_;
+  Complaints complaints_{0};  ///< of decoder_
   CodecPtr decoder_;
   std::optional<FrameToImage> to_image_;
   FramePtr ahead_;

@@ -5,6 +5,7 @@
 #include <sstream>
 
 #include "program.h"
+#include "support/clips.h"
 
 namespace knotreel {
 namespace {
@@ -211,6 +212,43 @@ TEST(CliBatch, AnInterruptionLeavesWholeFilesOnly) {
   std::size_t files = 0;
   for ([[maybe_unused]] const auto& entry : fs::directory_iterator(lot.out)) ++files;
   EXPECT_EQ(files, 2u) << "the document of a.png and the manifest";
+}
+
+TEST(CliBatch, ClipsBecomeDocumentsBesidePictures) {
+  const TempDir dir;
+  std::filesystem::create_directory(dir / "in");
+  test::write_clip((dir / "in/clip.mkv").string(), 4);
+  image::write_image(dir / "in/photo.png", test::sharp_picture(48, 32, 3));
+  test::write_text(dir / "in/notes.txt", "not for us");
+  const std::string in = (dir / "in").string();
+  const std::string out = (dir / "out").string();
+  expect_success(test::knotreel({"batch", in, "-o", out, "--preset", "fast", "--jobs", "2"}));
+  const std::string alone = (dir / "alone.tcb").string();
+  for (const std::string name : {"clip.mkv", "photo.png"}) {
+    expect_success(test::knotreel({"vectorize", in + "/" + name, "-o", alone, "--preset", "fast"}));
+    EXPECT_TRUE(read_text(out + "/" + name.substr(0, name.find('.')) + ".tcb") == read_text(alone)) << name;
+  }
+  EXPECT_FALSE(std::filesystem::exists(out + "/notes.tcb"));
+  EXPECT_NE(read_text(out + "/manifest.jsonl").find("\"frames\":4"), std::string::npos);
+}
+
+TEST(CliBatch, ClipsBecomeVideosAndResumeSkipsThem) {
+  const TempDir dir;
+  std::filesystem::create_directory(dir / "in");
+  const std::vector<std::int64_t> times = test::write_clip((dir / "in/clip.mkv").string(), 4);
+  test::write_text(dir / "in/bad.mp4", "no video");
+  image::write_image(dir / "in/photo.png", test::sharp_picture(48, 32, 3));
+  const std::string out = (dir / "out").string();
+  const std::vector<std::string> command{"batch", (dir / "in").string(), "-o", out, "--preset",
+                                         "fast",  "--transcode"};
+  EXPECT_EQ(test::knotreel(command).exit_code, 3) << "one of two cannot be read";
+  EXPECT_EQ(test::frame_times(out + "/clip.mp4"), times);
+  EXPECT_FALSE(std::filesystem::exists(out + "/bad.mp4"));
+  EXPECT_FALSE(std::filesystem::exists(out + "/photo.mp4"));
+  std::vector<std::string> again = command;
+  again.push_back("--resume");
+  EXPECT_EQ(test::knotreel(again).exit_code, 3);
+  EXPECT_NE(read_text(out + "/manifest.jsonl").find("skipped"), std::string::npos);
 }
 
 }  // namespace

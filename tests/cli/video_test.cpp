@@ -2,6 +2,7 @@
 #include <filesystem>
 #include <fstream>
 
+#include "knotreel/document/reader.h"
 #include "program.h"
 #include "support/clips.h"
 
@@ -86,6 +87,68 @@ TEST_F(CliVideo, RenderMakesPicturesOfARange) {
   expect_failure(knotreel({"render", document_, "-o", path("x.mkv"), "--frames", "4-6"}), 2);
 }
 
+TEST_F(CliVideo, RenderCutsPartsOutOfVideos) {
+  vectorize();
+  const std::vector<std::string> part{"--crop", "8,4,33,25", "--scale", "1.5"};
+  const auto render = [&](std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), part.begin(), part.end());
+    return knotreel(arguments);
+  };
+  expect_success(render({"render", document_, "-o", path("f_%02d.png")}));
+  expect_success(render({"render", document_, "-o", path("third.png"), "--frame", "3"}));
+  EXPECT_TRUE(read_text(path("f_04.png")) == read_text(path("third.png")));
+  expect_failure(knotreel({"render", document_, "-o", path("o.mkv"), "--crop", "40,0,30,20"}), 2);
+}
+
+TEST_F(CliVideo, RenderPutsFramesWithAlphaOnABackground) {
+  std::filesystem::create_directory(path("in"));
+  for (int i = 0; i < 3; ++i) {
+    image::write_image(path("in/p" + std::to_string(i) + ".png"), test::moving_picture(48, 32, 4, i));
+  }
+  expect_success(knotreel({"vectorize", path("in"), "-o", document_, "--preset", "fast"}));
+  expect_success(knotreel({"render", document_, "-o", path("f_%d.png"), "--background", "#40ff20"}));
+  expect_success(
+      knotreel({"render", document_, "-o", path("second.png"), "--frame", "1", "--background", "#40ff20"}));
+  EXPECT_TRUE(read_text(path("f_2.png")) == read_text(path("second.png")));
+  expect_success(
+      knotreel({"render", document_, "-o", path("o.mp4"), "--background", "black", "--size", "48x32"}));
+  EXPECT_EQ(video::VideoReader::open(path("o.mp4")).info().channels, 3);
+}
+
+TEST_F(CliVideo, RenderStatsTellOfEveryFrame) {
+  vectorize();
+  expect_success(knotreel({"render", document_, "-o", path("o.mkv"), "--stats", path("s.json")}));
+  const json stats = json::parse(read_text(path("s.json")));
+  EXPECT_EQ(stats["width"], 64);
+  EXPECT_EQ(stats["frame_count"], kFrames);
+  ASSERT_EQ(stats["frames"].size(), times_.size());
+  for (std::size_t i = 0; i < times_.size(); ++i) {
+    EXPECT_EQ(stats["frames"][i]["pts"], times_[i]);
+    EXPECT_GT(stats["frames"][i]["bytes"], 0);
+  }
+}
+
+TEST_F(CliVideo, AVideoMayComeThroughAPipe) {
+  const auto result =
+      knotreel({"vectorize", "-", "-o", document_, "--preset", "fast"}, {.input = read_text(clip_)});
+  expect_success(result);
+  EXPECT_EQ(document::Reader::open(document_).frame_count(), std::size_t{kFrames});
+  expect_failure(knotreel({"vectorize", "-", "-o", document_}, {.input = ""}), 3);
+  expect_failure(knotreel({"vectorize", "-", "-o", document_}, {.input = "neither"}), 3);
+}
+
+TEST_F(CliVideo, DebugPicturesHaveAFolderPerFrame) {
+  expect_success(
+      knotreel({"vectorize", clip_, "-o", document_, "--preset", "fast", "--debug-dir", path("stages")}));
+  for (int i = 1; i <= kFrames; ++i) {
+    const std::string folder = path("stages/frame_00000" + std::to_string(i));
+    EXPECT_EQ(std::filesystem::exists(folder + "/05-knots.png"), i == 1) << i;
+    for (const char* name : {"mesh", "fit", "error", "control-net"}) {
+      EXPECT_TRUE(std::filesystem::exists(folder + "/stored-" + name + ".png")) << folder << name;
+    }
+  }
+}
+
 TEST_F(CliVideo, AFolderOfPicturesIsAVideo) {
   std::filesystem::create_directory(path("in"));
   for (int i = 0; i < 3; ++i) {
@@ -116,6 +179,8 @@ TEST_F(CliVideo, StatsAndProgressTellOfEveryFrame) {
     const json& row = stats["frames"][i];
     EXPECT_EQ(row["pts"], times_[i]);
     EXPECT_GT(row["psnr"].get<double>(), 20);
+    EXPECT_GT(row["meg"].get<double>(), 0);
+    EXPECT_LT(row["meg"].get<double>(), 1);
     for (const char* stage : {"decode", "analyse", "model", "documents", "rasterize", "encode"}) {
       EXPECT_TRUE(row["milliseconds"].contains(stage)) << stage;
     }
@@ -141,6 +206,41 @@ TEST_F(CliVideo, TrackingOptionsSayWhichFramesAreMadeAnew) {
   EXPECT_EQ(keyframes({"--no-warm-start"}), (std::vector{0, 1, 2, 3, 4, 5}));
   const std::vector<int> pairs = keyframes({"--keyframe-interval", "2"});
   EXPECT_GE(pairs.size(), 3u);
+}
+
+TEST_F(CliVideo, InfoTellsOfSequences) {
+  expect_success(
+      knotreel({"vectorize", clip_, "-o", document_, "--preset", "fast", "--keyframe-interval", "4"}));
+  const json info = json::parse(knotreel({"info", document_, "--json"}).out);
+  EXPECT_EQ(info["frame_count"], kFrames);
+  EXPECT_EQ(info["groups"], 2);
+  EXPECT_EQ(info["frame_rate"], (json{25, 1}));
+  // Every third frame lasts 80 ms, the others 40.
+  EXPECT_NEAR(info["seconds"].get<double>(), 0.32, 1e-9);
+  const json& knots = info["knots_per_frame"];
+  EXPECT_NEAR(knots["mean"].get<double>() * kFrames, info["knots"].get<double>(), 1e-6);
+  EXPECT_LE(knots["min"], info["frames"][0]["knots"]);
+  EXPECT_GE(knots["max"], info["frames"][0]["knots"]);
+  const auto text = knotreel({"info", document_});
+  expect_success(text);
+  EXPECT_NE(text.out.find("6 in 2 groups"), std::string::npos) << text.out;
+  EXPECT_NE(text.out.find("0.320 s, 25 frames per second"), std::string::npos) << text.out;
+}
+
+TEST_F(CliVideo, InfoTellsOfVideos) {
+  const json info = json::parse(knotreel({"info", clip_, "--json"}).out);
+  EXPECT_EQ(info["kind"], "video");
+  EXPECT_EQ(info["codec"], "ffv1");
+  EXPECT_EQ(info["width"], 64);
+  EXPECT_EQ(info["height"], 48);
+  EXPECT_EQ(info["frame_rate"], (json{25, 1}));
+  EXPECT_EQ(info["rotation"], 0);
+  ASSERT_EQ(info["streams"].size(), 1u);
+  EXPECT_EQ(info["streams"][0]["kind"], "video");
+  EXPECT_EQ(info["file_bytes"], std::filesystem::file_size(clip_));
+  const auto text = knotreel({"info", clip_});
+  expect_success(text);
+  EXPECT_NE(text.out.find("ffv1 video\nsize            64x48"), std::string::npos) << text.out;
 }
 
 TEST_F(CliVideo, FormatNullOnlyTells) {

@@ -46,6 +46,21 @@ class PipelineRun : public testing::Test {
   std::vector<std::int64_t> times_;
 };
 
+std::vector<image::Image> pictures(const std::string& path) {
+  video::VideoReader reader = video::VideoReader::open(path);
+  std::vector<image::Image> all;
+  video::Frame frame;
+  while (reader.next(frame)) all.push_back(std::move(frame.image));
+  return all;
+}
+
+double mean_distance(const image::Image& a, const image::Image& b) {
+  double sum = 0;
+  for (std::size_t i = 0; i < a.samples.size(); ++i)
+    sum += std::abs(double(a.samples[i]) - double(b.samples[i]));
+  return sum / double(a.samples.size());
+}
+
 TEST_F(PipelineRun, TheGraphMakesTheSameDocumentAsTheReference) {
   const std::string reference = document_of(run_sequential, "reference.tcb");
   ASSERT_FALSE(reference.empty());
@@ -53,6 +68,37 @@ TEST_F(PipelineRun, TheGraphMakesTheSameDocumentAsTheReference) {
     const ThreadCap cap(threads);
     EXPECT_TRUE(document_of(run_graph, "graph.tcb") == reference) << threads;
   }
+}
+
+TEST_F(PipelineRun, TheGraphMakesTheSameDocumentHoweverGroupsStart) {
+  for (const track::TrackOptions& tracking :
+       {track::TrackOptions{.warm_start = false}, track::TrackOptions{.keyframe_interval = 3},
+        track::TrackOptions{.scene_threshold = 0}, track::TrackOptions{.drift = -100}}) {
+    const auto with = [&](Summary (*run)(const Job&)) {
+      return [&tracking, run](Job job) {
+        job.cold.mec = 0;  // so that frames may drift
+        job.tracking = tracking;
+        return run(job);
+      };
+    };
+    const std::string reference = document_of(with(run_sequential), "reference.tcb");
+    EXPECT_TRUE(document_of(with(run_graph), "graph.tcb") == reference);
+  }
+}
+
+TEST_F(PipelineRun, FramesThatStartAGroupAndNoOthersAreMadeAhead) {
+  video::VideoReader reader = video::VideoReader::open(clip_);
+  Job job = job_of(reader);
+  job.tracking.keyframe_interval = 3;
+  std::vector<bool> ahead;
+  job.on_frame = [&](const FrameRow& row) {
+    bool cold = false;
+    for (const auto& [stage, ms] : row.milliseconds) cold = cold || stage == "cold";
+    EXPECT_EQ(cold, row.start != "warm") << row.index;
+    ahead.push_back(cold);
+  };
+  run_graph(job);
+  EXPECT_EQ(ahead, (std::vector{true, false, false, true, false, false, true, false}));
 }
 
 TEST_F(PipelineRun, OneFrameInFlightIsEnough) {
@@ -110,16 +156,71 @@ TEST_F(PipelineRun, ADocumentGivesTheVideoBack) {
             (std::vector{times_[2] - begin, times_[3] - begin, times_[4] - begin}));
 }
 
-TEST_F(PipelineRun, AnotherRateRepeatsFrames) {
+TEST_F(PipelineRun, TheLastFrameLastsAsLongAsInTheSource) {
+  const auto last_duration = [](const std::string& file) {
+    video::VideoReader reader = video::VideoReader::open(file);
+    video::Frame frame;
+    while (reader.next(frame)) continue;
+    return double(frame.duration) * reader.info().time_base.value();
+  };
+  const std::string clip = path("odd.mkv");
+  test::write_clip(clip, 3);  // the last one lasts twice as long as the frame rate says
+  ASSERT_NEAR(last_duration(clip), 0.08, 1e-9);
+  video::VideoReader reader = video::VideoReader::open(clip);
+  Job job = job_of(reader);
+  job.document = path("odd.tcb");
+  run_graph(job);
+  document::Reader document = document::Reader::open(job.document);
+  RenderJob render;
+  render.reader = &document;
+  render.video.path = path("back.mkv");
+  run_render(render);
+  EXPECT_NEAR(last_duration(render.video.path), 0.08, 1e-9);
+}
+
+TEST_F(PipelineRun, AnotherRateMakesFramesInBetween) {
   document_of(run_graph, "clip.tcb");
   document::Reader document = document::Reader::open(path("clip.tcb"));
   RenderJob job;
   job.reader = &document;
   job.rate = {50, 1};
-  job.video.path = "null";
-  job.video.options.container = "null";
+  job.video.path = path("fast.mkv");
+  job.video.options.codec = "ffv1";
   // Eight frames last 10 x 40 ms.
   EXPECT_EQ(run_render(job).frames, 20u);
+  const std::vector<image::Image> fast = pictures(job.video.path);
+  job.rate = {};
+  job.video.path = path("stored.mkv");
+  run_render(job);
+  const std::vector<image::Image> stored = pictures(job.video.path);
+  EXPECT_EQ(fast[0].samples, stored[0].samples);
+  EXPECT_EQ(fast[2].samples, stored[1].samples);
+  EXPECT_EQ(fast[8].samples, stored[3].samples) << "the third frame lasts twice as long";
+  // The disc moves by two pixels a frame. In between is where it would be, not a blend of both.
+  const image::Image middle = test::moving_picture_at(64, 48, 3, 0.5);
+  EXPECT_LT(mean_distance(fast[1], middle), 0.5 * mean_distance(stored[0], middle));
+  EXPECT_LT(mean_distance(fast[1], middle), 0.5 * mean_distance(stored[1], middle));
+  EXPECT_EQ(fast[18].samples, stored[7].samples);
+  EXPECT_EQ(fast[19].samples, stored[7].samples) << "nothing follows the last frame";
+}
+
+TEST_F(PipelineRun, NothingIsInBetweenAcrossTheStartOfAGroup) {
+  const auto in_groups_of_two = [](Job job) {
+    job.tracking.keyframe_interval = 2;
+    return run_graph(job);
+  };
+  document_of(in_groups_of_two, "clip.tcb");
+  document::Reader document = document::Reader::open(path("clip.tcb"));
+  RenderJob job;
+  job.reader = &document;
+  job.rate = {100, 1};
+  job.video.path = path("fast.mkv");
+  job.video.options.codec = "ffv1";
+  run_render(job);
+  const std::vector<image::Image> fast = pictures(job.video.path);
+  for (const std::size_t k : {5U, 6U, 7U}) EXPECT_EQ(fast[k].samples, fast[4].samples) << k;
+  EXPECT_NE(fast[1].samples, fast[0].samples);
+  EXPECT_NE(fast[8].samples, fast[4].samples);
 }
 
 TEST_F(PipelineRun, AFullDiskIsToldWithFrameAndStage) {

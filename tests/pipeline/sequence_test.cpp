@@ -18,6 +18,7 @@ video::StreamInfo odd_stream() {
   stream.colour = {.range = 2, .matrix = 9, .primaries = 1, .transfer = 13, .chroma_location = 3};
   for (int i = 0; i < 36; ++i) stream.display_matrix.push_back(std::byte(7 * i));
   stream.start = -512;
+  stream.end = 123456;
   return stream;
 }
 
@@ -35,6 +36,7 @@ TEST(Sequence, ADocumentKeepsWhatAWriterWantsToKnow) {
   EXPECT_EQ(after.colour, before.colour);
   EXPECT_EQ(after.display_matrix, before.display_matrix);
   EXPECT_EQ(after.start, before.start);
+  EXPECT_EQ(after.end, before.end);
 }
 
 TEST(Sequence, NonsenseInTheMetadataCountsAsUnknown) {
@@ -46,6 +48,7 @@ TEST(Sequence, NonsenseInTheMetadataCountsAsUnknown) {
   EXPECT_EQ(stream.colour, video::ColourTags{});
   EXPECT_TRUE(stream.display_matrix.empty());
   EXPECT_EQ(stream.depth, 8);
+  EXPECT_EQ(stream.end, 0);
 }
 
 TEST(Sequence, TheNominalDurationIsThatOfTheFrameRate) {

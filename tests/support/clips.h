@@ -11,8 +11,8 @@
 
 namespace knotreel::test {
 
-/// A bright disc that moves to the right over a ramp, two pixels a frame.
-inline image::Image moving_picture(int width, int height, int channels, int frame) {
+/// A bright disc that moves to the right over a ramp, two pixels a frame; also at times between frames.
+inline image::Image moving_picture_at(int width, int height, int channels, double frame) {
   image::Image image = image::make_image(width, height, channels);
   for (int y = 0; y < height; ++y) {
     for (int x = 0; x < width; ++x) {
@@ -25,6 +25,10 @@ inline image::Image moving_picture(int width, int height, int channels, int fram
     }
   }
   return image;
+}
+
+inline image::Image moving_picture(int width, int height, int channels, int frame) {
+  return moving_picture_at(width, height, channels, frame);
 }
 
 /// Writes a small video, without loss unless told so; returns the times of its frames in milliseconds.

@@ -44,6 +44,10 @@ struct Pipe {
   ::dup2(out, STDOUT_FILENO);
   ::dup2(err, STDERR_FILENO);
   ::signal(SIGPIPE, SIG_DFL);
+  if (options.max_file_bytes > 0) {
+    const rlimit limit{options.max_file_bytes, options.max_file_bytes};
+    ::setrlimit(RLIMIT_FSIZE, &limit);
+  }
   std::vector<char*> arguments;
   for (const std::string& argument : command) arguments.push_back(const_cast<char*>(argument.c_str()));
   arguments.push_back(nullptr);
@@ -51,9 +55,12 @@ struct Pipe {
   ::_exit(127);
 }
 
-bool begins_in_folder(const fs::path& prefix) {
+bool begins_in_folder(const fs::path& prefix, std::uintmax_t bytes) {
   for (const auto& entry : fs::directory_iterator(prefix.parent_path())) {
-    if (entry.path().string().starts_with(prefix.string())) return true;
+    if (!entry.path().string().starts_with(prefix.string())) continue;
+    std::error_code gone;
+    const std::uintmax_t size = fs::file_size(entry.path(), gone);
+    if (!gone && size >= bytes) return true;
   }
   return false;
 }
@@ -99,7 +106,7 @@ ProcessResult run(const std::vector<std::string>& command, const ProcessOptions&
       given = put > 0 ? given + std::size_t(put) : options.input.size();
     }
     if (options.close_output_after > 0 && result.out.size() >= options.close_output_after) out.close_read();
-    if (!signalled && begins_in_folder(options.signal_once)) {
+    if (!signalled && begins_in_folder(options.signal_once, options.signal_at_bytes)) {
       ::kill(child, options.signal);
       signalled = true;
     }

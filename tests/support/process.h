@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -12,8 +13,10 @@ struct ProcessOptions {
   std::filesystem::path output_file = {};  ///< its standard output goes there; empty: it is captured
   std::size_t close_output_after = 0;  ///< bytes of standard output after which the pipe is closed; 0: never
   std::filesystem::path signal_once =
-      {};  ///< send `signal` as soon as a file with a name that begins so exists
+      {};                              ///< send `signal` as soon as a file with a name that begins so exists
+  std::uintmax_t signal_at_bytes = 0;  ///< ... and is so large
   int signal = 0;
+  std::uintmax_t max_file_bytes = 0;  ///< files cannot grow beyond; 0: no limit
 };
 
 struct ProcessResult {

@@ -95,6 +95,44 @@ TEST(Tracker, WithoutWarmStartFramesAreThoseOfTheirPictures) {
   }
 }
 
+TEST(Tracker, AColdFrameMadeAheadChangesNothing) {
+  const std::vector<image::Image> pictures = moving(5);
+  vectorize::Options cold;
+  cold.max_control_points = 400;
+  const TrackOptions options{.keyframe_interval = 3};
+  const Tracked run = track(pictures, options);
+  Tracker tracker(cold, options);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    // The second and others are warm: theirs is left alone.
+    std::shared_ptr<ColdFrame> ahead = make_cold_frame(pictures[i], cold);
+    std::unique_ptr<Motion> motion;
+    if (i > 0) motion = std::make_unique<Motion>(motion_between(pictures[i - 1], pictures[i]));
+    FrameReport report;
+    const document::FrameModel model = tracker.next(pictures[i], motion.get(), &report, std::move(ahead));
+    EXPECT_EQ(report.start, run.reports[i].start);
+    EXPECT_EQ(model.colour, run.models[i].colour) << i;
+    EXPECT_EQ(model.displacement, run.models[i].displacement) << i;
+  }
+}
+
+TEST(Tracker, AGroupDoesNotKnowWhatCameBefore) {
+  const std::vector<image::Image> scene = moving(4);
+  vectorize::Options cold;
+  cold.max_control_points = 400;
+  Tracker fresh(cold, {});
+  Tracker used(cold, {});
+  image::Image other = image::make_image(96, 72, 3);
+  for (std::size_t i = 0; i < other.samples.size(); ++i) other.samples[i] = static_cast<float>(i * 37 % 251);
+  used.next(other, nullptr);
+  const Motion nothing_moves = motion_between(other, other);
+  used.next(other, &nothing_moves);
+  for (std::size_t i = 0; i < scene.size(); ++i) {
+    std::unique_ptr<Motion> motion;
+    if (i > 0) motion = std::make_unique<Motion>(motion_between(scene[i - 1], scene[i]));
+    EXPECT_EQ(used.next(scene[i], motion.get()).colour, fresh.next(scene[i], motion.get()).colour) << i;
+  }
+}
+
 TEST(Tracker, CutsAndIntervalsStartGroups) {
   std::vector<image::Image> pictures = moving(3);
   image::Image other = scene(70, 20);

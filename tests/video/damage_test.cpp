@@ -67,6 +67,27 @@ TEST(Damage, IsCountedAndStrictlyAnError) {
   EXPECT_EQ(kind_of([&] { read_clip(dir / "b.mp4", strict); }), ErrorKind::kInput);
 }
 
+TEST(Damage, OfFfv1IsToldByItsChecksums) {
+  const TempDir dir;
+  write_clip(dir / "a.mkv", moving_pattern(320, 240, 3, 12), with_codec("ffv1"));
+  const WholeClip whole = read_clip(dir / "a.mkv");
+  EXPECT_EQ(whole.damaged, 0u);
+  std::string bytes = read_text(dir / "a.mkv");
+  bytes[bytes.size() / 2] ^= 0x10;
+  write_text(dir / "b.mkv", bytes);
+  for (const int threads : {1, 3}) {
+    ReadOptions options;
+    options.threads = threads;
+    const WholeClip clip = read_clip(dir / "b.mkv", options);
+    EXPECT_EQ(clip.frames.size(), 12u);
+    EXPECT_EQ(clip.damaged, 1u);
+    EXPECT_EQ(clip.warnings.size(), 1u);
+    options.strict = true;
+    EXPECT_EQ(kind_of([&] { read_clip(dir / "b.mkv", options); }), ErrorKind::kInput) << threads;
+    EXPECT_NO_THROW(read_clip(dir / "a.mkv", options));
+  }
+}
+
 TEST(Damage, NeverDoesMoreThanToFail) {
   const TempDir dir;
   for (const char* name : {"a.mp4", "a.mkv", "a.avi"}) {

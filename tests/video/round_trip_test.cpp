@@ -109,6 +109,7 @@ TEST(RoundTrip, TagsAspectAndRotationSurvive) {
     const bool rotates = std::string(name) != "a.mkv";
     EXPECT_EQ(back.display_matrix.empty(), !rotates) << name;
     EXPECT_TRUE(!rotates || back.display_matrix == clip.info.display_matrix) << name;
+    EXPECT_NEAR(rotation_degrees(back), rotates ? 90 : 0, 1e-3) << name;
   }
 }
 

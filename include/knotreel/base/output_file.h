@@ -38,6 +38,9 @@ class OutputFile {
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
   bool seekable() const { return seekable_; }
 
+  /// Hands over what is still held back, so that a killed program leaves it in the `.part` file.
+  void flush();
+
   /// Bytes given to write() so far.
   std::uint64_t size() const { return size_; }
 
@@ -48,7 +51,6 @@ class OutputFile {
   const std::string& name() const { return name_; }
 
  private:
-  void flush();
   void write_all(const std::byte* data, std::size_t count, std::int64_t offset);
   [[noreturn]] void fail(int system_error) const;
 

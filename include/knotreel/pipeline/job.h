@@ -3,13 +3,16 @@
 #include <chrono>
 #include <cstdint>
 #include <functional>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
+#include "knotreel/image/background.h"
 #include "knotreel/motion/flow.h"
 #include "knotreel/track/tracker.h"
 #include "knotreel/vectorize/options.h"
+#include "knotreel/vectorize/vectorize.h"
 #include "knotreel/video/reader.h"
 #include "knotreel/video/writer.h"
 
@@ -32,7 +35,7 @@ struct FrameRow {
   std::size_t knots = 0;
   std::size_t control_points = 0;
   double mec = 0;               ///< levels; of the stored model, drawn at the size of the source
-  double meg = 0;               ///< pixels; 0: not known
+  double meg = 0;               ///< pixels, as track::curve_error(); 0: no features
   double psnr = 0;              ///< dB, likewise; infinite for equal pictures
   double ssim = 0;              ///< likewise
   double survival = 0;          ///< share of the knots of the frame before that are in this one, 0 to 1
@@ -53,6 +56,7 @@ struct Summary {
   double first_frame_seconds = 0;  ///< until the first frame was encoded
   double psnr = 0;                 ///< dB; infinite for equal pictures
   double mec = 0;                  ///< levels
+  double meg = 0;                  ///< pixels
   double ssim = 0;
   double knots = 0;
   double control_points = 0;
@@ -64,6 +68,14 @@ struct Summary {
   std::vector<std::string> warnings;  ///< of the writer, one line each
 };
 
+/// A part of a picture.
+struct Part {
+  int x = 0;
+  int y = 0;
+  int width = 0;
+  int height = 0;
+};
+
 /// A video to write.
 struct VideoOutput {
   std::string path;  ///< empty: none
@@ -72,6 +84,8 @@ struct VideoOutput {
   int height = 0;  ///< see width
   int depth = 0;   ///< bits per component; 0: as the source
   bool antialias = true;
+  std::optional<Part> crop;      ///< in pixels of that size, inside it; none: all
+  image::Background background;  ///< to put frames with alpha on
 };
 
 using Stop = std::function<bool()>;                          ///< from any thread, one at a time
@@ -80,6 +94,15 @@ using FrameObserver = std::function<void(const FrameRow&)>;  ///< in order, from
 /// A picture to show beside the result, from a frame of the source and its stored model; called for several
 /// frames at once. All have the same size, which is even, and three channels.
 using Compose = std::function<image::Image(const image::Image& picture, const document::FrameModel& model)>;
+
+/// Somebody who looks at frames while they are made; called for several frames at once. May be empty.
+struct Watch {
+  /// Gives who looks at the stages of a frame that starts a group.
+  std::function<vectorize::Observer(std::uint64_t frame)> cold;
+  /// Looks at every frame as it was stored.
+  std::function<void(std::uint64_t frame, const image::Image& picture, const document::FrameModel& model)>
+      stored;
+};
 
 /// A video that becomes a document, another video, or both.
 struct Job {
@@ -91,8 +114,9 @@ struct Job {
   std::string document;      ///< file to write, `-` for standard output; empty: the document is not kept
   std::string split_folder;  ///< one document per frame goes there; empty: none
   VideoOutput video;
-  Compose compose;           ///< what `beside` shows; null: nothing
-  std::string beside;        ///< video of what compose() made
+  Compose compose;     ///< what `beside` shows; null: nothing
+  std::string beside;  ///< video of what compose() made
+  Watch watch;
   int frames_in_flight = 0;  ///< bounds the memory; 0: twice the number of threads, and two
   Stop stop;                 ///< true: no more frames; those begun and all files are finished
   FrameObserver on_frame;

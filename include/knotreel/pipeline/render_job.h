@@ -13,7 +13,9 @@ struct RenderJob {
   document::Reader* reader = nullptr;  ///< outlives the run
   std::size_t first = 0;               ///< place of the first frame in the document
   std::optional<std::size_t> last;     ///< place of the last one, itself included; none: the end
-  video::Rational rate;  ///< frames per second to repeat or drop frames for; unknown: times as stored
+  /// Frames per second, each made from those before and after it where these are of one group; unknown:
+  /// frames and times as stored.
+  video::Rational rate;
   VideoOutput video;
   int frames_in_flight = 0;  ///< as in Job
   Stop stop;

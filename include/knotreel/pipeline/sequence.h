@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "knotreel/document/reader.h"
 #include "knotreel/document/sequence_info.h"
 #include "knotreel/video/stream_info.h"
 
@@ -17,5 +18,9 @@ video::StreamInfo stream_info(const document::SequenceInfo& info);
 
 /// Ticks that a frame lasts at the frame rate; 0 if that is not known.
 std::int64_t nominal_duration(const video::StreamInfo& stream);
+
+/// Ticks that the last frame of a document lasts: up to the end of its source if that is told, and unless the
+/// document ends long before; else as long as the frame rate says, or the frame before.
+std::int64_t last_duration(const document::Reader& reader);
 
 }  // namespace knotreel::pipeline

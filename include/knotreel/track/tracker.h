@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <optional>
 #include <string>
 #include <utility>
@@ -9,6 +10,7 @@
 #include "knotreel/document/frame_model.h"
 #include "knotreel/image/image.h"
 #include "knotreel/track/carry_mesh.h"
+#include "knotreel/track/cold_frame.h"
 #include "knotreel/track/idle_knots.h"
 #include "knotreel/track/motion.h"
 #include "knotreel/vectorize/options.h"
@@ -80,8 +82,11 @@ class Tracker {
   /// @param motion  from the picture before; null for the first frame and after a gap: a cold start.
   /// @return the model, keyframe if it does not depend on the one before; frame and pts are left to the
   /// caller.
+  /// @param cold    of make_cold_frame() for this picture and the same options: taken if the frame starts a
+  /// group, left alone otherwise. The result is the same with and without; only the time is not.
   /// @throws Error{kInvalidArgument} as vectorize_picture(), and if sizes differ.
-  document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport* report = nullptr);
+  document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport* report = nullptr,
+                            std::shared_ptr<ColdFrame> cold = nullptr);
 
  private:
   class Impl;

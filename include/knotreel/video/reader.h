@@ -49,6 +49,9 @@ class VideoReader {
 
   const StreamInfo& info() const;
 
+  /// All streams of the file; pictures have none.
+  std::vector<StreamEntry> streams() const;
+
   /// The next frame; false at the end. Damaged frames are left out, which makes the frame before longer.
   /// @throws Error{kInput} for damage if strict.
   bool next(Frame& frame);

@@ -47,8 +47,20 @@ struct StreamInfo {
   std::int64_t start = 0;    ///< ticks that a writer takes away: the clock of MPEG TS and PS starts anywhere
   std::uint64_t frames = 0;  ///< an estimate; 0 if unknown
   double seconds = 0;        ///< an estimate; 0 if unknown
+  std::int64_t end = 0;      ///< ticks at which the last frame ends, as the container tells; 0 if it does not
   bool timestamps = true;    ///< false: the source has none, and they are made from the frame rate
   bool still = false;        ///< a single picture
+};
+
+/// By how much a player turns the pictures clockwise, -180 to 180 degrees.
+double rotation_degrees(const StreamInfo& info);
+
+/// Any of the streams of a file.
+struct StreamEntry {
+  int index = 0;
+  std::string kind;      ///< "video", "audio", "subtitle", ...
+  std::string codec;     ///< libav's name
+  std::string language;  ///< such as "eng"; empty if it is not told
 };
 
 }  // namespace knotreel::video

@@ -3,6 +3,7 @@
 #include <memory>
 #include <thread>
 
+#include "cli/batch/clip_job.h"
 #include "cli/batch/run.h"
 #include "cli/command.h"
 #include "cli/vectorize_options.h"
@@ -20,6 +21,9 @@ struct Arguments {
   int threads = 0;
   double alone_above = 4;  // megapixels
   VectorizeOptions options;
+  bool transcode = false;
+  VideoRun clips;  ///< what only matters for clips
+  VideoOutputOptions encoding;
 };
 
 batch::Crew crew_for(const Arguments& arguments, std::size_t items) {
@@ -39,8 +43,11 @@ void make_output_folder(const std::string& folder) {
 
 void run_batch(const Arguments& arguments) {
   effective_options(arguments.options, 1);  // wrong ones are told of now
+  batch::Places places = arguments.places;
+  places.clips_only = arguments.transcode;
+  if (arguments.transcode) places.extension = ".mp4";
   batch::Lot lot;
-  lot.items = batch::find_items(arguments.places);
+  lot.items = batch::find_items(places);
   lot.crew = crew_for(arguments, lot.items.size());
   make_output_folder(arguments.places.output);
   const std::string path = arguments.manifest.empty()
@@ -49,14 +56,20 @@ void run_batch(const Arguments& arguments) {
   if (arguments.resume) lot.before = batch::read_manifest(path);
   batch::Manifest manifest(path, arguments.resume);
   batch::Progress progress(lot.items.size(), arguments.verbose);
-  batch::run_lot(lot, batch::PictureJob(arguments.options, 1e6 * arguments.alone_above), manifest, progress);
+  const double alone_above = 1e6 * arguments.alone_above;
+  VideoRun run = arguments.clips;
+  run.options = arguments.options;
+  if (arguments.transcode) run.video.options = write_options(arguments.encoding, "", 0);
+  const batch::PictureJob pictures(arguments.options, alone_above);
+  const batch::ClipJob clips(run, arguments.transcode, alone_above);
+  batch::run_lot(lot, batch::AnyJob(pictures, clips, arguments.transcode), manifest, progress);
 }
 
 void add_places(CLI::App& command, Arguments& arguments) {
   command
-      .add_option(
-          "INPUT", arguments.places.input,
-          "Folder of pictures, or text file with one path per line;\n'-': such lines on standard input")
+      .add_option("INPUT", arguments.places.input,
+                  "Folder of pictures and videos, or text file with one path per line;\n'-': such lines on "
+                  "standard input")
       ->type_name("")
       ->required();
   command.add_option("-o,--output", arguments.places.output, "Folder for the documents, made if missing")
@@ -87,23 +100,35 @@ void add_effort(CLI::App& command, Arguments& arguments) {
   add_threads_option(command, arguments.threads);
 }
 
+void add_clips(CLI::App& command, Arguments& arguments) {
+  command.option_defaults()->group("Videos");
+  command.add_flag("--transcode", arguments.transcode,
+                   "Turn videos into videos (.mp4) as 'knotreel transcode' does, and leave\nout pictures");
+  add_video_output_options(command, arguments.encoding);
+  add_tracking_options(command, arguments.clips.tracking);
+  add_video_input_options(command, arguments.clips.reading);
+  command.option_defaults()->group("Options");
+}
+
 constexpr const char* kFooter = R"(
-photo.png becomes photo.tcb, byte for byte as 'knotreel vectorize' makes it. Pictures that would get the same
-document keep their extensions: a.png.tcb, a.jpg.tcb. A picture that cannot be read does not stop the others.
+photo.png becomes photo.tcb and clip.mp4 clip.tcb, as 'knotreel vectorize' makes them. Those that would get the same
+document keep their extensions: a.png.tcb, a.jpg.tcb. What cannot be read does not stop the others.
 Exit codes: 0 all done, 3 some inputs failed, 4 some outputs could not be written, 130 interrupted.
 Examples:
   knotreel batch photos -o documents
   knotreel batch photos -o documents --resume
+  knotreel batch clips -o large --transcode --crf 20
   find . -name '*.png' | knotreel batch - -o documents --preset fast --jobs 4 -v)";
 
 }  // namespace
 
 void add_batch_command(CLI::App& program) {
-  CLI::App* command = program.add_subcommand("batch", "Turn many pictures into vector documents");
+  CLI::App* command = program.add_subcommand("batch", "Turn many pictures and videos into vector documents");
   const auto arguments = std::make_shared<Arguments>();
   add_places(*command, *arguments);
   add_vectorize_options(*command, arguments->options);
   add_effort(*command, *arguments);
+  add_clips(*command, *arguments);
   command->footer(kFooter);
   command->callback([arguments] { run_batch(*arguments); });
 }

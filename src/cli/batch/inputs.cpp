@@ -1,6 +1,7 @@
 #include "cli/batch/inputs.h"
 
 #include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>
@@ -19,7 +20,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMaxListBytes = std::uint64_t{1} << 30;
 
-/// A picture, and its place below the folder of the outputs.
+/// An input, and its place below the folder of the outputs.
 struct Found {
   std::string input;
   fs::path place;
@@ -35,12 +36,23 @@ bool looks_like_picture(const fs::path& path) {
   }
 }
 
+/// By the name alone: nearly any file can be tried as a video, and that takes long.
+bool looks_like_clip(const fs::path& path) {
+  static const std::set<std::string> kExtensions{".3gp",  ".apng", ".asf",  ".avi",  ".f4v",  ".flv", ".gif",
+                                                 ".h264", ".h265", ".hevc", ".ivf",  ".m2ts", ".m4v", ".mkv",
+                                                 ".mov",  ".mp4",  ".mpeg", ".mpg",  ".mts",  ".mxf", ".nut",
+                                                 ".ogv",  ".ts",   ".vob",  ".webm", ".wmv",  ".y4m"};
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return kExtensions.contains(extension);
+}
+
 bool is_hidden(const fs::path& path) {
   return path.filename().string().starts_with('.');
 }
 
 template <class Iterator>
-std::vector<std::string> pictures_below(const fs::path& folder) {
+std::vector<std::string> inputs_below(const fs::path& folder, bool clips_only) {
   std::error_code error;
   std::vector<std::string> places;
   for (Iterator it(folder, error), end; !error && it != end; it.increment(error)) {
@@ -48,7 +60,9 @@ std::vector<std::string> pictures_below(const fs::path& folder) {
     if constexpr (requires { it.disable_recursion_pending(); }) {
       if (is_hidden(it->path()) && it->is_directory(ignored)) it.disable_recursion_pending();
     }
-    if (is_hidden(it->path()) || !it->is_regular_file(ignored) || !looks_like_picture(it->path())) continue;
+    if (is_hidden(it->path()) || !it->is_regular_file(ignored)) continue;
+    const bool picture = !clips_only && looks_like_picture(it->path());
+    if (!picture && !looks_like_clip(it->path())) continue;
     places.push_back(it->path().lexically_relative(folder).string());
   }
   if (error) throw Error(ErrorKind::kInput, cannot_read(folder, "pictures") + error.message());
@@ -56,9 +70,10 @@ std::vector<std::string> pictures_below(const fs::path& folder) {
   return places;
 }
 
-std::vector<Found> in_folder(const fs::path& folder, bool recursive) {
-  const auto places = recursive ? pictures_below<fs::recursive_directory_iterator>(folder)
-                                : pictures_below<fs::directory_iterator>(folder);
+std::vector<Found> in_folder(const fs::path& folder, const Places& wanted) {
+  const bool clips_only = wanted.clips_only;
+  const auto places = wanted.recursive ? inputs_below<fs::recursive_directory_iterator>(folder, clips_only)
+                                       : inputs_below<fs::directory_iterator>(folder, clips_only);
   std::vector<Found> found;
   for (const std::string& place : places) found.push_back({(folder / place).string(), place});
   return found;
@@ -81,29 +96,30 @@ std::vector<Found> in_list(const std::string& path) {
   return found;
 }
 
-std::string with_number(fs::path place, int number) {
+std::string with_number(fs::path place, int number, const std::string& extension) {
   if (number > 1) place += "-" + std::to_string(number);
-  place += ".tcb";
+  place += extension;
   return place.string();
 }
 
-std::vector<std::string> names_of(const std::vector<Found>& found) {
+std::vector<std::string> names_of(const std::vector<Found>& found, const std::string& extension) {
   std::map<std::string, int> wanted;
   for (const Found& f : found) ++wanted[fs::path(f.place).replace_extension().string()];
   std::vector<std::string> names;
   std::set<std::string> taken;
   const auto take = [&](const fs::path& place) {
     for (int number = 1;; ++number) {
-      if (taken.insert(with_number(place, number)).second) return with_number(place, number);
+      if (taken.insert(with_number(place, number, extension)).second)
+        return with_number(place, number, extension);
     }
   };
   // Names that nobody else wants are never taken away from their owners.
   for (const auto& [stem, count] : wanted) {
-    if (count == 1) taken.insert(with_number(stem, 1));
+    if (count == 1) taken.insert(with_number(stem, 1, extension));
   }
   for (const Found& f : found) {
     const fs::path stem = fs::path(f.place).replace_extension();
-    names.push_back(wanted[stem.string()] == 1 ? with_number(stem, 1) : take(f.place));
+    names.push_back(wanted[stem.string()] == 1 ? with_number(stem, 1, extension) : take(f.place));
   }
   return names;
 }
@@ -113,9 +129,11 @@ std::vector<std::string> names_of(const std::vector<Found>& found) {
 std::vector<Item> find_items(const Places& places) {
   std::error_code ignored;
   const bool folder = places.input != "-" && fs::is_directory(places.input, ignored);
-  const std::vector<Found> found = folder ? in_folder(places.input, places.recursive) : in_list(places.input);
-  if (found.empty()) throw Error(ErrorKind::kInput, cannot_read(places.input, "pictures") + "there are none");
-  const std::vector<std::string> names = names_of(found);
+  const std::vector<Found> found = folder ? in_folder(places.input, places) : in_list(places.input);
+  if (found.empty())
+    throw Error(ErrorKind::kInput,
+                cannot_read(places.input, places.clips_only ? "videos" : "pictures") + "there are none");
+  const std::vector<std::string> names = names_of(found, places.extension);
   std::vector<Item> items;
   for (std::size_t i = 0; i < found.size(); ++i) {
     items.push_back({found[i].input, (fs::path(places.output) / names[i]).string()});

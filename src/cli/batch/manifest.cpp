@@ -26,12 +26,13 @@ constexpr std::uint64_t kMaxManifestBytes = std::uint64_t{1} << 32;
 Json json_of(const Entry& entry) {
   Json json{{"input", entry.item.input}, {"output", entry.item.output}, {"status", entry.status}};
   json["error"] = entry.error.empty() ? Json(nullptr) : Json(entry.error);
-  for (const char* key : {"knots", "control_points", "psnr", "file_bytes"}) json[key] = nullptr;
+  for (const char* key : {"knots", "control_points", "psnr", "file_bytes", "frames"}) json[key] = nullptr;
   if (entry.figures) {
     json["knots"] = entry.figures->knots;
     json["control_points"] = entry.figures->control_points;
     if (std::isfinite(entry.figures->psnr)) json["psnr"] = entry.figures->psnr;
     json["file_bytes"] = entry.figures->file_bytes;
+    json["frames"] = entry.figures->frames;
   }
   json["seconds"] = std::round(entry.seconds * 1000) / 1000;
   json["input_size"] = entry.stamp ? Json(entry.stamp->size) : Json(nullptr);
@@ -46,7 +47,8 @@ Entry entry_of(const Json& json) {
   if (!json.at("knots").is_null()) {
     const Json& psnr = json.at("psnr");
     const double db = psnr.is_null() ? std::numeric_limits<double>::infinity() : psnr.get<double>();
-    entry.figures = Figures{json.at("knots"), json.at("control_points"), db, json.at("file_bytes")};
+    entry.figures =
+        Figures{json.at("knots"), json.at("control_points"), db, json.at("file_bytes"), json.at("frames")};
   }
   if (!json.at("input_size").is_null()) entry.stamp = Stamp{json.at("input_size"), json.at("input_mtime")};
   return entry;

@@ -16,6 +16,7 @@ struct Figures {
   std::size_t control_points = 0;
   double psnr = 0;  ///< dB; infinite for equal pictures
   std::uint64_t file_bytes = 0;
+  std::uint64_t frames = 1;  ///< knots and control points are means over them
 };
 
 /// By which a changed input is known.

@@ -1,19 +1,17 @@
 #include "cli/batch/picture_job.h"
 
 #include <filesystem>
-#include <sstream>
 
 #include "cli/interrupt.h"
 #include "cli/pictures.h"
+#include "cli/still_document.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/output_file.h"
-#include "knotreel/document/writer.h"
 #include "knotreel/image/metrics.h"
 #include "knotreel/image/read_image.h"
 #include "knotreel/vectorize/vectorize.h"
 
 namespace knotreel::cli::batch {
-namespace {
 
 void make_folder_of(const std::string& path) {
   std::error_code error;
@@ -23,24 +21,6 @@ void make_folder_of(const std::string& path) {
     throw Error(ErrorKind::kOutput, "cannot make folder '" + folder.string() + "': " + error.message());
   }
 }
-
-/// Writes the document. @return the frame as it was stored
-document::FrameModel write_document(OutputFile& file, const image::Image& image,
-                                    const document::FrameModel& model) {
-  document::SequenceInfo info;
-  info.width = image.width;
-  info.height = image.height;
-  info.channels = image.channels;
-  info.degree = model.space->degree();
-  std::ostringstream bytes;
-  document::Writer writer(bytes, info, {.rename_knots = true});
-  document::FrameModel stored = writer.append(model);
-  writer.finish();
-  file.write(std::move(bytes).str());
-  return stored;
-}
-
-}  // namespace
 
 Figures PictureJob::run(const Item& item, Room& room) const {
   check_interrupted();
@@ -53,10 +33,12 @@ Figures PictureJob::run(const Item& item, Room& room) const {
   const vectorize::Vectorization made =
       vectorize::vectorize_picture(image, options, [](const vectorize::Progress&) { check_interrupted(); });
   check_interrupted();
-  const document::FrameModel stored = write_document(file, image, made.model);
+  const StillDocument document = still_document(image, made.model);
+  file.write(document.bytes);
   file.commit();
+  const document::FrameModel& stored = document.model;
   const double psnr = image::compare_images(image, render_whole(stored, {})).psnr;
-  return {stored.space->mesh().knots.size(), stored.space->function_count(), psnr, file.size()};
+  return {stored.space->mesh().knots.size(), stored.space->function_count(), psnr, file.size(), 1};
 }
 
 }  // namespace knotreel::cli::batch

@@ -21,6 +21,9 @@ class Job {
   virtual Figures run(const Item& item, Room& room) const = 0;
 };
 
+/// Makes the folder that a file is to lie in. @throws Error{kOutput}
+void make_folder_of(const std::string& path);
+
 /// A picture to a document of one frame, byte for byte that of `knotreel vectorize`.
 class PictureJob : public Job {
  public:

@@ -3,6 +3,7 @@
 #include <fmt/core.h>
 
 #include <chrono>
+#include <filesystem>
 #include <new>
 
 #include "cli/interrupt.h"
@@ -32,14 +33,17 @@ class Gravest {
   std::optional<ErrorKind> kind_;
 };
 
-/// Whether a document is there, finished and sound, as the manifest says.
+/// Whether an output is there, finished and, if a document, sound, as the manifest says.
 bool is_whole(const std::string& path, const Figures& figures) {
   try {
+    if (!path.ends_with(".tcb")) return std::filesystem::file_size(path) == figures.file_bytes;
     document::Reader reader = document::Reader::open(path);
     if (!reader.complete() || reader.file_bytes() != figures.file_bytes) return false;
     for (std::size_t frame = 0; frame < reader.frame_count(); ++frame) reader.read(frame);
     return true;
   } catch (const Error&) {
+    return false;
+  } catch (const std::filesystem::filesystem_error&) {
     return false;
   }
 }

@@ -54,6 +54,14 @@ void DebugPictures::write_control_net(const image::Image& picture, const documen
   draw_control_net(picture, model).write(next("control-net"));
 }
 
+void DebugPictures::write_stored(const image::Image& picture, const document::FrameModel& model) {
+  draw_mapped_mesh(picture, model).write(folder_ / "stored-mesh.png");
+  const image::Image rendering = render_whole(model, {});
+  image::write_image(folder_ / "stored-fit.png", rendering);
+  heat_map(picture, rendering).write(folder_ / "stored-error.png");
+  draw_control_net(picture, model).write(folder_ / "stored-control-net.png");
+}
+
 std::filesystem::path DebugPictures::next(const std::string& name) {
   return folder_ / fmt::format("{:02}-{}.png", number_++, name);
 }

@@ -19,6 +19,9 @@ class DebugPictures {
   /// Of the model as it was stored; the last picture.
   void write_control_net(const image::Image& picture, const document::FrameModel& model);
 
+  /// All that there is to see of a model as it was stored, under names without numbers.
+  void write_stored(const image::Image& picture, const document::FrameModel& model);
+
  private:
   std::filesystem::path next(const std::string& name);
   void write_round(const vectorize::Progress& progress);

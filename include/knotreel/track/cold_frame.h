@@ -1,0 +1,20 @@
+#pragma once
+
+#include <memory>
+
+#include "knotreel/image/image.h"
+#include "knotreel/vectorize/vectorize.h"
+
+namespace knotreel::track {
+
+/// A frame made from its picture alone, with all that the frames after it want to know of it. Opaque.
+struct ColdFrame;
+
+/// Nearly all the work of a cold frame. It needs nothing of other frames, so it may be done for several
+/// frames at once, ahead of Tracker::next(), which takes it over.
+/// @param observer  as for vectorize_picture().
+/// @throws Error{kInvalidArgument} as vectorize_picture().
+std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const vectorize::Options& options,
+                                           const vectorize::Observer& observer = {});
+
+}  // namespace knotreel::track

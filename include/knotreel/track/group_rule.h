@@ -1,0 +1,26 @@
+#pragma once
+
+#include "knotreel/track/tracker.h"
+
+namespace knotreel::track {
+
+/// Says where groups start, as far as that can be told without any model: at the first frame, at cuts, and
+/// when a group is full. What drifts is only known when it has been made.
+class GroupRule {
+ public:
+  explicit GroupRule(const TrackOptions& options) : options_(options) {}
+
+  /// @param motion  as for Tracker::next(), frame by frame. @return never kDrift.
+  Start next(const Motion* motion);
+
+  /// The frame that was asked for last starts a group after all.
+  void restart() { length_ = 1; }
+
+ private:
+  Start start_of(const Motion* motion) const;
+
+  TrackOptions options_;
+  int length_ = 0;  ///< frames of the group so far; 0: there is none yet
+};
+
+}  // namespace knotreel::track

@@ -1,0 +1,39 @@
+#include "track/residual.h"
+
+#include <cmath>
+
+namespace knotreel::track {
+
+std::vector<float> residual_of(const image::Image& picture, const fit::PixelValues& values,
+                               std::span<const double> control) {
+  std::vector<double> surface(picture.samples.size());
+  fit::surface_at_pixels(values, control, picture.channels, surface);
+  std::vector<float> residual(surface.size());
+  for (std::size_t i = 0; i < surface.size(); ++i) {
+    residual[i] = static_cast<float>(static_cast<double>(picture.samples[i]) - surface[i]);
+  }
+  return residual;
+}
+
+Quality quality_of(std::span<const float> residual, std::span<const float> weights, int channel_count) {
+  const auto channels = static_cast<std::size_t>(channel_count);
+  double length = 0;
+  double squares = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < residual.size() / channels; ++i) {
+    if (!weights.empty() && weights[i] < 1) continue;
+    double squared = 0;
+    for (std::size_t c = 0; c < channels; ++c) {
+      const double d = static_cast<double>(residual[i * channels + c]);
+      squared += d * d;
+    }
+    length += std::sqrt(squared);
+    squares += squared;
+    ++count;
+  }
+  if (count == 0) return {};
+  const double n = static_cast<double>(count);
+  return {length / n, 10 * std::log10(255.0 * 255.0 * n * static_cast<double>(channels) / squares)};
+}
+
+}  // namespace knotreel::track
