@@ -125,7 +125,8 @@ nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
           {"temporal_weight", o.temporal_weight},
           {"keyframe_interval", o.keyframe_interval},
           {"scene_threshold", o.scene_threshold},
-          {"drift", o.drift}};
+          {"drift", o.drift},
+          {"restart_gain", o.restart_gain}};
 }
 
 }  // namespace knotreel::cli

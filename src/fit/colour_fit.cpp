@@ -31,21 +31,6 @@ Eigen::MatrixXd greville_colours(const spline::SplineSpace& space, const image::
   return prior;
 }
 
-/// Adds pull |c - known|^2 to the normal equations.
-void draw_to(const ColourPrior& known, Eigen::SparseMatrix<double>& matrix, Eigen::MatrixXd& right) {
-  if (known.control.size() != static_cast<std::size_t>(right.size())) {
-    throw Error(ErrorKind::kInvalidArgument, "a prior needs one colour per control point");
-  }
-  const double* control = known.control.data();
-  for (Eigen::Index i = 0; i < matrix.rows(); ++i, control += right.cols()) {
-    if (std::isnan(control[0])) continue;
-    double& diagonal = matrix.coeffRef(i, i);
-    const double pull = known.share * diagonal;
-    diagonal += pull;
-    for (Eigen::Index c = 0; c < right.cols(); ++c) right(i, c) += pull * control[c];
-  }
-}
-
 /// Picture minus surface.
 void find_residual(const PixelValues& values, const Pixels& pixels, ColourFit& fit) {
   const image::Image& image = *pixels.image;
@@ -75,8 +60,7 @@ ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const Co
   return fit_colours(values, pixels, options);
 }
 
-ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const ColourFitOptions& options,
-                      const ColourPrior& known) {
+ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const ColourFitOptions& options) {
   const spline::SplineSpace& space = values.basis().space();
   const image::Image& image = *pixels.image;
   if (!pixels.weights.empty() && pixels.weights.size() != image.pixel_count()) {
@@ -84,12 +68,10 @@ ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const Col
   }
   NormalEquations normal = assemble(values, image, pixels.weights);
   const double ridge = options.ridge * std::max(1.0, normal.matrix.diagonal().maxCoeff());
-  Eigen::MatrixXd right = normal.right + ridge * greville_colours(space, image);
-  if (!known.control.empty()) draw_to(known, normal.matrix, right);
   for (Eigen::Index i = 0; i < normal.matrix.rows(); ++i) normal.matrix.coeffRef(i, i) += ridge;
 
-  // min |A c - b|^2 + ridge |c - prior|^2 + pull |c - known|^2 over c = P z, with P the identity or the
-  // smooth surfaces.
+  // min |A c - b|^2 + ridge |c - prior|^2 over c = P z, with P the identity or the smooth surfaces.
+  const Eigen::MatrixXd right = normal.right + ridge * greville_colours(space, image);
   Eigen::SparseMatrix<double> p;
   if (options.smooth_corners) {
     p = spline::smooth_corner_prolongation(space, spline::SharedFunctions::kFree);

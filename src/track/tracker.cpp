@@ -93,9 +93,17 @@ class Tracker::Impl {
     report = {};
     clock_ = std::chrono::steady_clock::now();
     report.start = groups_.next(motion);
-    if (report.start == Start::kWarm && !make_warm(picture, *motion)) {
-      report.start = Start::kDrift;
-      groups_.restart();
+    if (report.start == Start::kWarm) {
+      make_warm(picture, *motion);
+      cold = has_drifted() ? better_cold_frame(picture) : nullptr;
+      if (cold) {
+        report.start = Start::kDrift;
+        groups_.restart();
+      } else {
+        last_psnr_ = report.psnr;
+        last_mec_ = report.mec;
+        prepare_next(picture, false);
+      }
     }
     if (report.start != Start::kWarm) {
       take_over(cold ? std::move(*cold) : std::move(*make_cold_frame(picture, cold_)));
@@ -152,8 +160,7 @@ class Tracker::Impl {
 
   // -- warm frames
 
-  /// @return whether the carried model is good enough.
-  bool make_warm(const image::Image& picture, const Motion& motion) {
+  void make_warm(const image::Image& picture, const Motion& motion) {
     const std::vector<Vec2> points = image_positions(*basis_, displacement_, next_mesh_);
     std::vector<Vec2> moves = knot_motion(points, motion);
     const SnapResult snapped =
@@ -180,11 +187,21 @@ class Tracker::Impl {
       ++report_->repairs;
     }
     report_->survival = share_alive(before, space_->mesh());
-    if (report_->mec > cold_.mec && report_->psnr < group_psnr_ - options_.drift) return false;
-    last_psnr_ = report_->psnr;
-    last_mec_ = report_->mec;
-    prepare_next(picture, false);
-    return true;
+  }
+
+  bool has_drifted() const {
+    return report_->mec > cold_.mec && report_->psnr < group_psnr_ - options_.drift;
+  }
+
+  /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to try
+  /// again soon.
+  std::shared_ptr<ColdFrame> better_cold_frame(const image::Image& picture) {
+    std::shared_ptr<ColdFrame> cold = make_cold_frame(picture, cold_);
+    lap("cold");
+    const Quality quality = quality_of(cold->colours.residual, cold->placed.weights, picture.channels);
+    if (quality.psnr > report_->psnr + options_.restart_gain) return cold;
+    group_psnr_ = report_->psnr;
+    return nullptr;
   }
 
   /// The space over a mesh that comes from the one there is.
@@ -217,25 +234,10 @@ class Tracker::Impl {
     pixels.image = &wanted;
     fit::ColourFitOptions colour = cold_.colour;
     colour.find_residual = false;
-    colours_ = fit::fit_colours(values, pixels, colour, colours_before());
+    colours_ = fit::fit_colours(values, pixels, colour);
     hold_colours();
     colours_.residual = residual_of(seen_.picture, values, colours_.control);
     lap("colours");
-  }
-
-  /// Control points that are still there, with the colour that they had.
-  fit::ColourPrior colours_before() const {
-    fit::ColourPrior known{{}, options_.inertia};
-    if (!frame_before_.space || known.share <= 0) return known;
-    const std::vector<std::uint32_t> match = match_functions(*frame_before_.space, *space_);
-    const auto channels = frame_before_.control.size() / frame_before_.space->function_count();
-    known.control.assign(match.size() * channels, std::nan(""));
-    for (std::size_t f = 0; f < match.size(); ++f) {
-      if (match[f] == kNoMatch) continue;
-      std::copy_n(frame_before_.control.begin() + static_cast<std::ptrdiff_t>(match[f] * channels), channels,
-                  known.control.begin() + static_cast<std::ptrdiff_t>(f * channels));
-    }
-    return known;
   }
 
   /// Control points whose colour hardly changes keep that of the frame before: less to store, less to

@@ -18,13 +18,6 @@ struct ColourFitOptions {
   bool find_residual = true;  ///< false: ColourFit has no residual and no squared error
 };
 
-/// What is known of the control points beforehand, as from the frame before.
-struct ColourPrior {
-  std::vector<double> control;  ///< as in ColourFit, NaN where nothing is known; empty: nothing at all
-  /// How hard control points are drawn towards it, as a share of what their own pixels weigh. 0 or more.
-  double share = 0;
-};
-
 struct ColourFit {
   /// Control points, function by function, channels interleaved as in the image, scale 0..255, not clamped.
   std::vector<double> control;
@@ -41,7 +34,6 @@ struct ColourFit {
 ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const ColourFitOptions& options = {});
 
 /// The same with the values of the basis functions at pixels.places, which may serve other fits too.
-ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const ColourFitOptions& options = {},
-                      const ColourPrior& known = {});
+ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const ColourFitOptions& options = {});
 
 }  // namespace knotreel::fit

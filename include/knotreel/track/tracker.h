@@ -22,17 +22,15 @@ struct TrackOptions {
   double temporal_weight = 0.5;  ///< of what the frame before missed, 0 to 1: keeps noise from flickering
   int keyframe_interval = 250;   ///< most frames of a group, 1 or more
   double scene_threshold = 0.4;  ///< as motion::CutOptions::threshold
-  /// A new group starts when the fit is this many dB worse than at the start of the group and its MEC above
-  /// the one asked for.
+  /// When the fit is this many dB worse than at the start of the group and its MEC above the one asked for,
+  /// the frame is made anew from its picture ...
   double drift = 3.0;
+  double restart_gain = 1.0;      ///< ... and starts a group if that is better by so many dB
   bool settle = true;             ///< whether knots go on descending on the true residual, a step per frame
   bool optimise_inserted = true;  ///< whether the mesh around new knots is optimised
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
-  /// How hard control points are drawn to their colour in the frame before, as a share of what their pixels
-  /// weigh: what pixels hardly decide then stays, for less to store and less flicker.
-  double inertia = 0.02;
-  double colour_hold = 2;   ///< control points keep colours that change by less, levels ...
-  double hold_share = 0.4;  ///< ... and by less than this share of the MEC of the frame before
+  double colour_hold = 2;     ///< control points keep colours that change by less, levels ...
+  double hold_share = 0.4;    ///< ... and by less than this share of the MEC of the frame before
   CarryOptions carry{};
   SwapOptions swap{};
   /// When a frame is worse than the one before by this, knots are put where the error is at once rather than
