@@ -24,7 +24,7 @@ struct TrackOptions {
   double scene_threshold = 0.4;  ///< as motion::CutOptions::threshold
   /// When the fit is this many dB worse than at the start of the group and its MEC above the one asked for,
   /// the frame is made anew from its picture ...
-  double drift = 3.0;
+  double drift = 1.5;
   double restart_gain = 1.0;      ///< ... and starts a group if that is better by so many dB
   bool settle = true;             ///< whether knots go on descending on the true residual, a step per frame
   bool optimise_inserted = true;  ///< whether the mesh around new knots is optimised
