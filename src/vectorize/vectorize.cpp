@@ -14,6 +14,7 @@
 #include "knotreel/knots/refine.h"
 #include "knotreel/mesh/triangulate.h"
 #include "knotreel/param/parametrized_image.h"
+#include "vectorize/feature_budget.h"
 #include "vectorize/half_rows.h"
 #include "vectorize/initial_mesh.h"
 
@@ -22,21 +23,10 @@ namespace knotreel::vectorize {
 namespace {
 
 using mesh::EditableMesh;
-using mesh::FaceIndex;
 using mesh::KnotIndex;
 
 // Share of the control points that the first round may use; the rest is for refinement.
 constexpr double kFirstShare = 0.8;
-// Share of the control points that features may use up as long as there are weak ones, which the smooth
-// surface can stand in for. Weak are those of little contrast (in levels) within three pixels that have more
-// of it farther away: soft edges.
-constexpr double kWeakShare = 0.1;
-constexpr double kWeakContrast = 140;
-constexpr double kSharpness = 0.93;
-// Of a share, when it is exceeded: estimates by pixels are rough, and another try costs a parametrization.
-constexpr double kMargin = 0.75;
-// Control points per pixel of features, about (counted over photographs).
-constexpr double kFunctionsPerFeaturePixel = 0.5;
 // Piecewise linear functions need more knots for the same error than the splines over the same knots.
 constexpr double kLinearSlack = 1.3;
 
@@ -54,19 +44,6 @@ class Timer {
   using Clock = std::chrono::steady_clock;
   Clock::time_point start_ = Clock::now();
 };
-
-/// Control points of a space over a mesh, before it is built: about (counted over photographs).
-double estimated_functions(const EditableMesh& mesh, int degree) {
-  std::size_t inner = 0;
-  std::size_t fixed = 0;
-  for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
-    if (!mesh.is_face(f)) continue;
-    for (int i = 0; i < 3; ++i) ++(mesh.is_fixed({f, i}) ? fixed : inner);
-  }
-  // Inner edges are met twice, those of features too, which is how often they count once cut open.
-  const double edges = 0.855 * static_cast<double>(inner) / 2 + static_cast<double>(fixed);
-  return degree == 1 ? edges / 2.5 : degree == 2 ? edges : 1.6 * edges;
-}
 
 class Run {
  public:
@@ -209,85 +186,23 @@ class Run {
 
   /// Features, parametrization and the knots on the features, within their share of the control points.
   void map_features() {
-    if (!chains_.chains.empty())
-      limit_features(kFunctionsPerFeaturePixel * static_cast<double>(chain_pixels()));
+    if (!chains_.chains.empty()) limit_features(expected_functions(chains_));
     for (;;) {
       faired_ = {};
       if (!chains_.chains.empty()) prepare_features();
       parametrize();
-      if (!has_features() || !limit_features(estimated_functions(EditableMesh(start_mesh_), options_.degree)))
+      if (!has_features() || !limit_features(expected_functions(EditableMesh(start_mesh_), options_.degree)))
         break;
     }
     make_target();
   }
 
-  std::size_t chain_pixels() const {
-    std::size_t pixels = 0;
-    for (const features::Chain& c : chains_.chains) pixels += c.points.size();
-    return pixels;
-  }
-
   /// Drops chains if they cost too many control points. @return whether it did.
   bool limit_features(double functions) {
-    const auto most = static_cast<double>(max_functions_);
-    if (functions <= kWeakShare * most) return false;
-    if (keep_strongest(kMargin * kWeakShare * most / functions, true)) return true;
-    return functions > options_.feature_share * most &&
-           keep_strongest(kMargin * options_.feature_share * most / functions, false);
-  }
-
-  /// Mean over the points of a chain of the largest range of a channel within some pixels.
-  double mean_range(const features::Chain& chain, int radius) const {
-    double sum = 0;
-    for (const features::ChainPoint& p : chain.points) {
-      float range = 0;
-      for (int c = 0; c < picture_.channels; ++c) {
-        float low = picture_.at(p.x, p.y, c);
-        float high = low;
-        for (int y = std::max(0, p.y - radius); y <= std::min(picture_.height - 1, p.y + radius); ++y) {
-          for (int x = std::max(0, p.x - radius); x <= std::min(picture_.width - 1, p.x + radius); ++x) {
-            low = std::min(low, picture_.at(x, y, c));
-            high = std::max(high, picture_.at(x, y, c));
-          }
-        }
-        range = std::max(range, high - low);
-      }
-      sum += static_cast<double>(range);
-    }
-    return sum / static_cast<double>(chain.points.size());
-  }
-
-  struct RankedChain {
-    double contrast = 0;  ///< levels
-    bool weak = false;
-    features::Chain chain;
-  };
-
-  RankedChain ranked(features::Chain chain) const {
-    const double contrast = mean_range(chain, 1);
-    const bool sharp = contrast >= kSharpness * mean_range(chain, 3);
-    return {contrast, contrast < kWeakContrast && !sharp, std::move(chain)};
-  }
-
-  /// Drops the chains of least contrast, or the weak ones among them, until at most this share of the feature
-  /// pixels is left: what a chain costs grows with its length, as does what it is good for, but the latter
-  /// with its contrast too.
-  /// @return whether any was dropped.
-  bool keep_strongest(double share, bool weak_only) {
-    const double allowed = share * static_cast<double>(chain_pixels());
-    std::vector<RankedChain> chains;
-    for (features::Chain& c : chains_.chains) chains.push_back(ranked(std::move(c)));
-    std::stable_sort(chains.begin(), chains.end(),
-                     [](const RankedChain& a, const RankedChain& b) { return a.contrast > b.contrast; });
-    std::size_t kept = 0;
-    chains_.chains.clear();
-    for (RankedChain& r : chains) {
-      const std::size_t length = r.chain.points.size();
-      if ((r.weak || !weak_only) && static_cast<double>(kept + length) > allowed) continue;
-      kept += length;
-      chains_.chains.push_back(std::move(r.chain));
-    }
-    const std::size_t dropped = chains.size() - chains_.chains.size();
+    const std::size_t before = chains_.chains.size();
+    keep_within_budget(picture_, functions, static_cast<double>(max_functions_), options_.feature_share,
+                       chains_);
+    const std::size_t dropped = before - chains_.chains.size();
     report_.chains_over_budget += dropped;
     return dropped > 0;
   }
@@ -390,7 +305,7 @@ class Run {
   // -- knots
 
   std::size_t knots_for(double functions, const EditableMesh& mesh) const {
-    const double now = estimated_functions(mesh, options_.degree);
+    const double now = expected_functions(mesh, options_.degree);
     const double per_knot = options_.degree == 1 ? 1.0 : options_.degree == 2 ? 2.56 : 4.1;
     const double more = std::max(0.0, (functions - now) / per_knot);
     return mesh.knot_count() + static_cast<std::size_t>(more);

@@ -1,0 +1,108 @@
+#include "vectorize/feature_budget.h"
+
+#include <algorithm>
+#include <utility>
+#include <vector>
+
+namespace knotreel::vectorize {
+
+namespace {
+
+// Share of the control points that features may use up as long as there are weak ones: those of little
+// contrast (in levels) within three pixels that have more of it farther away, which are soft edges.
+constexpr double kWeakShare = 0.1;
+constexpr double kWeakContrast = 140;
+constexpr double kSharpness = 0.93;
+// Of a share, when it is exceeded: estimates by pixels are rough, and another try costs a parametrization.
+constexpr double kMargin = 0.75;
+// Control points per pixel of features, about (counted over photographs).
+constexpr double kFunctionsPerFeaturePixel = 0.5;
+
+std::size_t chain_pixels(const features::FeatureChains& chains) {
+  std::size_t pixels = 0;
+  for (const features::Chain& c : chains.chains) pixels += c.points.size();
+  return pixels;
+}
+
+/// Mean over the points of a chain of the largest range of a channel within some pixels.
+double mean_range(const image::Image& picture, const features::Chain& chain, int radius) {
+  double sum = 0;
+  for (const features::ChainPoint& p : chain.points) {
+    float range = 0;
+    for (int c = 0; c < picture.channels; ++c) {
+      float low = picture.at(p.x, p.y, c);
+      float high = low;
+      for (int y = std::max(0, p.y - radius); y <= std::min(picture.height - 1, p.y + radius); ++y) {
+        for (int x = std::max(0, p.x - radius); x <= std::min(picture.width - 1, p.x + radius); ++x) {
+          low = std::min(low, picture.at(x, y, c));
+          high = std::max(high, picture.at(x, y, c));
+        }
+      }
+      range = std::max(range, high - low);
+    }
+    sum += static_cast<double>(range);
+  }
+  return sum / static_cast<double>(chain.points.size());
+}
+
+struct RankedChain {
+  double contrast = 0;  ///< levels
+  bool weak = false;
+  features::Chain chain;
+};
+
+RankedChain ranked(const image::Image& picture, features::Chain chain) {
+  const double contrast = mean_range(picture, chain, 1);
+  const bool sharp = contrast >= kSharpness * mean_range(picture, chain, 3);
+  return {contrast, contrast < kWeakContrast && !sharp, std::move(chain)};
+}
+
+/// Drops the chains of least contrast, or the weak ones among them, until at most this share of the feature
+/// pixels is left: what a chain costs grows with its length, as does what it is good for, but the latter
+/// with its contrast too.
+/// @return whether any was dropped.
+bool keep_strongest(const image::Image& picture, double share, bool weak_only,
+                    features::FeatureChains& chains) {
+  const double allowed = share * static_cast<double>(chain_pixels(chains));
+  std::vector<RankedChain> all;
+  for (features::Chain& c : chains.chains) all.push_back(ranked(picture, std::move(c)));
+  std::stable_sort(all.begin(), all.end(),
+                   [](const RankedChain& a, const RankedChain& b) { return a.contrast > b.contrast; });
+  std::size_t kept = 0;
+  chains.chains.clear();
+  for (RankedChain& r : all) {
+    const std::size_t length = r.chain.points.size();
+    if ((r.weak || !weak_only) && static_cast<double>(kept + length) > allowed) continue;
+    kept += length;
+    chains.chains.push_back(std::move(r.chain));
+  }
+  return chains.chains.size() < all.size();
+}
+
+}  // namespace
+
+double expected_functions(const mesh::EditableMesh& mesh, int degree) {
+  std::size_t inner = 0;
+  std::size_t fixed = 0;
+  for (mesh::FaceIndex f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.is_face(f)) continue;
+    for (int i = 0; i < 3; ++i) ++(mesh.is_fixed({f, i}) ? fixed : inner);
+  }
+  // Inner edges are met twice, those of features too, which is how often they count once cut open.
+  const double edges = 0.855 * static_cast<double>(inner) / 2 + static_cast<double>(fixed);
+  return degree == 1 ? edges / 2.5 : degree == 2 ? edges : 1.6 * edges;
+}
+
+double expected_functions(const features::FeatureChains& chains) {
+  return kFunctionsPerFeaturePixel * static_cast<double>(chain_pixels(chains));
+}
+
+void keep_within_budget(const image::Image& picture, double functions, double most, double share,
+                        features::FeatureChains& chains) {
+  if (functions <= kWeakShare * most) return;
+  if (keep_strongest(picture, kMargin * kWeakShare * most / functions, true, chains)) return;
+  if (functions <= share * most) return;
+  keep_strongest(picture, kMargin * share * most / functions, false, chains);
+}
+
+}  // namespace knotreel::vectorize

@@ -1,0 +1,23 @@
+#pragma once
+
+#include "knotreel/features/chains.h"
+#include "knotreel/image/image.h"
+#include "knotreel/mesh/editable_mesh.h"
+
+namespace knotreel::vectorize {
+
+/// Control points of a space over a mesh, before it is built: about (counted over photographs).
+double expected_functions(const mesh::EditableMesh& mesh, int degree);
+
+/// Control points that features will cost, before they are parametrized: about.
+double expected_functions(const features::FeatureChains& chains);
+
+/// Drops feature chains that cost more control points than features may use up, before any knot is put
+/// between them: those of least contrast, and first of all weak ones, which the smooth surface can stand in
+/// for.
+/// @param functions that the chains cost together. @param most control points of the whole model.
+/// @param share     of these for features, 0 to 1.
+void keep_within_budget(const image::Image& picture, double functions, double most, double share,
+                        features::FeatureChains& chains);
+
+}  // namespace knotreel::vectorize
