@@ -13,5 +13,4 @@ find_package(PkgConfig REQUIRED)
 # SuiteSparse of Debian 12 has neither a CMake nor a pkg-config file.
 find_library(CHOLMOD_LIBRARY cholmod REQUIRED)
 find_path(CHOLMOD_INCLUDE_DIR cholmod.h PATH_SUFFIXES suitesparse REQUIRED)
-pkg_check_modules(ZSTD REQUIRED IMPORTED_TARGET libzstd)
 pkg_check_modules(LIBAV REQUIRED IMPORTED_TARGET libavformat libavcodec libavutil libswscale)
