@@ -66,8 +66,8 @@ void BM_CarryMesh(benchmark::State& state) {
 void BM_Snap(benchmark::State& state) {
   const Case c(state);
   for (auto _ : state) {
-    const SnapResult snapped =
-        snap_to_edges(c.basis, c.model.displacement, c.mesh(), c.moves, *c.motion.before, *c.motion.now);
+    const SnapResult snapped = snap_to_edges(c.basis, c.model.displacement, c.mesh(), c.moves, c.before,
+                                             *c.motion.before, *c.motion.now);
     benchmark::DoNotOptimize(snapped.moves.data());
   }
   state.counters["segments"] = double(c.mesh().segments.size());

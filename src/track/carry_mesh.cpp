@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <utility>
 
 namespace knotreel::track {
 
@@ -16,12 +17,15 @@ namespace {
 
 constexpr int kMendingRounds = 8;
 constexpr int kSlowings = 4;        // of a knot, before it rests
+constexpr double kStuck = 0.5;      // from where the end of a segment should be, pixels
 constexpr double kThinnest = 0.05;  // height of faces between features, which no removal can mend; pixels
 
 /// Gives segments up whose ends cannot stay inside the domain; their knots become free where nothing else
 /// holds them.
+/// @param kept_indices of the segments that are left, in order.
 KnotMesh without_leaving_segments(const KnotMesh& mesh, std::span<const Vec2> targets,
-                                  std::span<const std::uint8_t> lost, std::size_t& dropped) {
+                                  std::span<const std::uint8_t> lost,
+                                  std::vector<std::size_t>& kept_indices) {
   const auto leaves = [&](KnotIndex k) {
     const Vec2 p = mesh.knots[k].position;
     const Vec2 t = targets[k];
@@ -36,10 +40,11 @@ KnotMesh without_leaving_segments(const KnotMesh& mesh, std::span<const Vec2> ta
   for (std::size_t i = 0; i < mesh.segments.size(); ++i) {
     const auto& knots = mesh.segments[i].knots;
     const bool given_up = (!lost.empty() && lost[i]) || leaves(knots.front()) || leaves(knots.back());
-    if (!given_up) result.segments.push_back(mesh.segments[i]);
+    if (given_up) continue;
+    result.segments.push_back(mesh.segments[i]);
+    kept_indices.push_back(i);
   }
-  dropped = mesh.segments.size() - result.segments.size();
-  if (dropped == 0) return result;
+  if (result.segments.size() == mesh.segments.size()) return result;
   std::vector<bool> held(mesh.knots.size(), false);
   for (const mesh::FeatureSegment& s : result.segments) {
     for (const KnotIndex k : s.knots) held[k] = true;
@@ -62,7 +67,11 @@ double height_over_longest(Vec2 a, Vec2 b, Vec2 c) {
 class Carrier {
  public:
   Carrier(const KnotMesh& mesh, std::vector<Vec2> targets, const CarryOptions& options, CarryReport& report)
-      : mesh_(mesh), targets_(std::move(targets)), least_(0.25 * options.min_distance), report_(report) {}
+      : mesh_(mesh),
+        targets_(targets),
+        wanted_(std::move(targets)),
+        least_(0.25 * options.min_distance),
+        report_(report) {}
 
   KnotMesh run() {
     remove_leaving();
@@ -75,6 +84,12 @@ class Carrier {
     }
     hold_rest();
     return moved();
+  }
+
+  /// After run().
+  bool is_stuck(const mesh::FeatureSegment& s) const {
+    const auto far = [&](KnotIndex k) { return norm(targets_[k] - wanted_[k]) >= kStuck; };
+    return far(s.knots.front()) || far(s.knots.back());
   }
 
  private:
@@ -220,6 +235,7 @@ class Carrier {
 
   EditableMesh mesh_;
   std::vector<Vec2> targets_;
+  std::vector<Vec2> wanted_;
   double least_;
   CarryReport& report_;
 };
@@ -231,13 +247,20 @@ KnotMesh carry_mesh(const KnotMesh& mesh, std::span<const Vec2> targets, std::sp
   CarryReport own;
   CarryReport& told = report ? *report : own;
   told = {};
-  const KnotMesh kept = without_leaving_segments(mesh, targets, lost, told.segments_dropped);
+  std::vector<std::size_t> indices;
+  const KnotMesh kept = without_leaving_segments(mesh, targets, lost, indices);
+  told.segments_dropped = mesh.segments.size() - indices.size();
   std::vector<Vec2> goals(targets.begin(), targets.end());
   // Knots of segments that are given up go on as free ones, those on the border stay.
   for (KnotIndex k = 0; k < goals.size(); ++k) {
     if (kept.knots[k].kind == KnotKind::kBorder) goals[k] = kept.knots[k].position;
   }
-  return Carrier(kept, std::move(goals), options, told).run();
+  Carrier carrier(kept, std::move(goals), options, told);
+  KnotMesh result = carrier.run();
+  for (std::size_t i = 0; i < indices.size(); ++i) {
+    if (carrier.is_stuck(kept.segments[i])) told.stuck.push_back(indices[i]);
+  }
+  return result;
 }
 
 }  // namespace knotreel::track

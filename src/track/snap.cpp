@@ -18,6 +18,7 @@ constexpr double kSpacing = 1.5;  // of samples along a curve, pixels
 constexpr double kStep = 0.5;     // of samples across it
 constexpr double kCertain = 20;   // levels over two steps: steeper edges have a smaller dead zone
 constexpr double kWeakest = 6;    // levels over two steps; less is no edge
+constexpr double kBeside = 1.5;   // from a curve to what is beside it, pixels
 
 double luma_at(const motion::Luma& luma, Vec2 p) {
   const double x = std::clamp(p.x - 0.5, 0.0, luma.width - 1.0);
@@ -100,6 +101,7 @@ double steepest_at(const motion::Luma& luma, Vec2 p, Vec2 normal) {
 
 /// The place along the normal with a slope most like a known one, nearer ones preferred.
 void find_edge(double known, const motion::Luma& now, const SnapOptions& options, Sample& s) {
+  s.offset = s.weight = 0;
   if (std::abs(known) < kWeakest) return;
   s.known = true;
   const int reach = static_cast<int>(std::lround(options.reach / kStep));
@@ -179,16 +181,37 @@ std::vector<Vec2> solve(const std::vector<Sample>& samples, std::size_t knots, c
   return moves;
 }
 
-std::vector<std::uint8_t> lost_segments(const std::vector<Sample>& samples, std::size_t segments,
-                                        double least_found) {
+/// Whether the colours on both sides of a curve differ, which is what the curve is for.
+bool parts_colours(const image::Image& picture, Vec2 p, Vec2 normal) {
+  const auto pixel = [&](Vec2 q) {
+    const int x = std::clamp(static_cast<int>(std::floor(q.x)), 0, picture.width - 1);
+    const int y = std::clamp(static_cast<int>(std::floor(q.y)), 0, picture.height - 1);
+    return picture.row(y).data() + x * picture.channels;
+  };
+  const float* left = pixel(p + kBeside * normal);
+  const float* right = pixel(p + (-kBeside) * normal);
+  float most = 0;
+  for (int c = 0; c < picture.channels; ++c) most = std::max(most, std::abs(left[c] - right[c]));
+  return most >= kWeakest;
+}
+
+std::vector<std::uint8_t> lost_segments(const std::vector<Sample>& samples, const image::Image& before,
+                                        std::size_t segments, const SnapOptions& options) {
+  std::vector<double> all(segments, 0);
+  std::vector<double> parting(segments, 0);
   std::vector<double> known(segments, 0);
   std::vector<double> found(segments, 0);
   for (const Sample& s : samples) {
+    all[s.segment] += 1;
+    parting[s.segment] += parts_colours(before, s.before, s.normal) ? 1 : 0;
     known[s.segment] += s.known ? 1 : 0;
     found[s.segment] += s.weight > 0 ? 1 : 0;
   }
   std::vector<std::uint8_t> lost(segments, 0);
-  for (std::size_t i = 0; i < segments; ++i) lost[i] = found[i] < least_found * known[i] ? 1 : 0;
+  for (std::size_t i = 0; i < segments; ++i) {
+    lost[i] =
+        found[i] < options.least_found * known[i] || parting[i] < options.least_parting * all[i] ? 1 : 0;
+  }
   return lost;
 }
 
@@ -206,15 +229,26 @@ double steepest_near(const motion::Luma& luma, Vec2 p, Vec2 normal, double reach
 }  // namespace
 
 SnapResult snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displacement, const KnotMesh& mesh,
-                         std::span<const Vec2> motion, const motion::Luma& before, const motion::Luma& now,
-                         const SnapOptions& options) {
+                         std::span<const Vec2> motion, const image::Image& picture_before,
+                         const motion::Luma& before, const motion::Luma& now, const SnapOptions& options) {
   SnapResult result{std::vector<Vec2>(mesh.knots.size()), std::vector<std::uint8_t>(mesh.segments.size(), 0)};
   if (mesh.segments.empty()) return result;
   std::vector<Sample> samples = place_samples(basis, displacement, mesh, motion);
   for (Sample& s : samples) find_edge(steepest_at(before, s.before, s.normal), now, options, s);
-  result.lost = lost_segments(samples, mesh.segments.size(), options.least_found);
-  const bool any = std::any_of(samples.begin(), samples.end(), [](const Sample& s) { return s.offset != 0; });
-  if (any) result.moves = solve(samples, mesh.knots.size(), options);
+  result.lost = lost_segments(samples, picture_before, mesh.segments.size(), options);
+  // The ends of segments resist, so one round leaves a part of the way.
+  for (int round = 0; round < options.rounds; ++round) {
+    const bool any =
+        std::any_of(samples.begin(), samples.end(), [](const Sample& s) { return s.offset != 0; });
+    if (!any) break;
+    const std::vector<Vec2> more = solve(samples, mesh.knots.size(), options);
+    for (std::size_t k = 0; k < more.size(); ++k) result.moves[k] = result.moves[k] + more[k];
+    if (round + 1 == options.rounds) break;
+    for (Sample& s : samples) {
+      s.position = s.position + (1 - s.t) * more[s.a] + s.t * more[s.b];
+      find_edge(steepest_at(before, s.before, s.normal), now, options, s);
+    }
+  }
   return result;
 }
 

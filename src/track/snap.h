@@ -5,22 +5,26 @@
 #include <vector>
 
 #include "knotreel/fit/geometry_fit.h"
+#include "knotreel/image/image.h"
 #include "knotreel/motion/luma.h"
 #include "knotreel/spline/basis.h"
 
 namespace knotreel::track {
 
 struct SnapOptions {
-  double least_found = 0.9;  ///< share of the samples of a segment that must find their edge again
-  double reach = 2.5;        ///< how far from the carried curve an edge is looked for, pixels
-  double dead_zone = 0.25;   ///< offsets below are none, pixels
+  double least_found = 0.9;    ///< share of the samples of a segment that must find their edge again
+  double least_parting = 0.5;  ///< share of them with different colours on both sides
+  double reach = 2.5;          ///< how far from the carried curve an edge is looked for, pixels
+  int rounds = 2;              ///< of looking for edges and moving
+  double dead_zone = 0.25;     ///< offsets below are none, pixels
   double stiffness =
       0.3;  ///< of the ends of segments against moving at all and apart, relative to the samples
 };
 
 struct SnapResult {
-  std::vector<Vec2> moves;         ///< what to add to the motion, by knot; zero for all but ends of segments
-  std::vector<std::uint8_t> lost;  ///< by segment: 1 if the new picture has no such edge there
+  std::vector<Vec2> moves;  ///< what to add to the motion, by knot; zero for all but ends of segments
+  std::vector<std::uint8_t>
+      lost;  ///< by segment: 1 if the new picture has no such edge there, or the old none
 };
 
 /// Pulls carried feature curves onto the edges of the new picture: along the normals of each curve the place
@@ -28,9 +32,10 @@ struct SnapResult {
 /// segments move so that these offsets are met in the least-squares sense, each weighted by its steepness.
 /// @param basis, displacement the surface of the frame before, which says where segments lie in the image.
 /// @param mesh   whose segments are meant; near those of the surface.
-/// @param motion of the knots so far. @param before, now the pictures.
+/// @param motion of the knots so far. @param picture_before, before, now the pictures, and their luma.
 SnapResult snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displacement,
-                         const mesh::KnotMesh& mesh, std::span<const Vec2> motion, const motion::Luma& before,
+                         const mesh::KnotMesh& mesh, std::span<const Vec2> motion,
+                         const image::Image& picture_before, const motion::Luma& before,
                          const motion::Luma& now, const SnapOptions& options = {});
 
 /// Points of the curves of a surface, and the edges of the picture next to them.

@@ -68,6 +68,16 @@ std::vector<Vec2> knot_motion(const std::vector<Vec2>& points, const Motion& mot
   return result;
 }
 
+/// Adds the segments that could not follow their edges to the lost ones: in the wrong place they harm.
+bool give_up_stuck(const CarryReport& report, std::vector<std::uint8_t>& lost) {
+  bool any = false;
+  for (const std::size_t i : report.stuck) {
+    any = any || !lost[i];
+    lost[i] = 1;
+  }
+  return any;
+}
+
 double share_alive(const KnotMesh& before, const KnotMesh& now) {
   std::unordered_set<std::uint32_t> ids;
   for (const mesh::Knot& k : now.knots) ids.insert(static_cast<std::uint32_t>(k.id));
@@ -163,11 +173,13 @@ class Tracker::Impl {
   void make_warm(const image::Image& picture, const Motion& motion) {
     const std::vector<Vec2> points = image_positions(*basis_, displacement_, next_mesh_);
     std::vector<Vec2> moves = knot_motion(points, motion);
-    const SnapResult snapped =
-        snap_to_edges(*basis_, displacement_, next_mesh_, moves, *motion.before, *motion.now);
+    SnapResult snapped =
+        snap_to_edges(*basis_, displacement_, next_mesh_, moves, seen_.picture, *motion.before, *motion.now);
     for (std::size_t k = 0; k < moves.size(); ++k) moves[k] = moves[k] + snapped.moves[k];
     const std::vector<Vec2> targets = knot_targets(next_mesh_, moves);
     KnotMesh carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->carry);
+    if (give_up_stuck(report_->carry, snapped.lost))
+      carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->carry);
     lap("carry");
     target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
     lap("target");

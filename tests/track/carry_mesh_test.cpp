@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
 
@@ -79,6 +80,31 @@ TEST(CarryMesh, KnotsGoWhereTheyShould) {
       EXPECT_EQ(elsewhere, 0U) << c.name;
     }
   }
+}
+
+TEST(CarryMesh, SegmentsThatCannotFollowAreTold) {
+  std::size_t stuck = 0;
+  for (const auto& c : testing::random_cases(16, 60)) {
+    const std::vector<Vec2> targets = knot_targets(c.mesh, whirl(c.mesh, 6, 1));
+    CarryReport report;
+    const KnotMesh carried = carry_mesh(c.mesh, targets, {}, {}, &report);
+    std::vector<Vec2> positions;
+    for (const mesh::Knot& k : carried.knots) positions.push_back(k.position);
+    const auto place = by_id(carried, positions);
+    for (std::size_t i = 0; i < c.mesh.segments.size(); ++i) {
+      if (std::find(report.stuck.begin(), report.stuck.end(), i) == report.stuck.end()) continue;
+      ++stuck;
+      const auto miss = [&](mesh::KnotIndex k) {
+        return norm(place.at(static_cast<std::uint32_t>(c.mesh.knots[k].id)) - targets[k]);
+      };
+      const auto& knots = c.mesh.segments[i].knots;
+      EXPECT_GE(std::max(miss(knots.front()), miss(knots.back())), 0.5) << c.name;
+    }
+    if (report.held == 0) {
+      EXPECT_TRUE(report.stuck.empty()) << c.name;
+    }
+  }
+  EXPECT_GT(stuck, 0U);
 }
 
 TEST(CarryMesh, LostSegmentsBecomeOrdinaryKnots) {

@@ -20,6 +20,7 @@ struct CarryReport {
   std::size_t held = 0;     ///< knots that had to stay, because the mesh would have folded over
   std::size_t flips = 0;
   std::size_t segments_dropped = 0;  ///< feature segments that left the domain or were lost
+  std::vector<std::size_t> stuck;    ///< segments with an end that had to stay away from its target
 };
 
 /// Where the knots of a mesh should go, from where the picture goes at each of them: domain corners and
