@@ -181,12 +181,12 @@ std::vector<KnotIndex> refine_features(EditableMesh& mesh, std::span<const Curve
   return inserted;
 }
 
-std::vector<bool> two_ring(const EditableMesh& mesh, const std::vector<KnotIndex>& inserted) {
+std::vector<bool> rings_around(const EditableMesh& mesh, const std::vector<KnotIndex>& knots, int count) {
   std::vector<bool> active(mesh.knot_slots(), false);
-  std::vector<KnotIndex> front = inserted;
-  for (const KnotIndex k : inserted) active[k] = true;
+  std::vector<KnotIndex> front = knots;
+  for (const KnotIndex k : knots) active[k] = true;
   std::vector<FaceIndex> ring;
-  for (int step = 0; step < 2; ++step) {
+  for (int step = 0; step < count; ++step) {
     std::vector<KnotIndex> next;
     for (const KnotIndex k : front) {
       mesh.faces_around(k, ring);

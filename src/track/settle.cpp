@@ -9,7 +9,7 @@ namespace {
 // Factors of a step while the direction stays, and when it turns.
 constexpr double kGrow = 1.2;
 constexpr double kShrink = 0.6;
-constexpr double kLongest = 0.3;  // share of the shortest edge
+constexpr double kLongest = 0.1;  // share of the shortest edge
 
 std::vector<double> shortest_edges(const mesh::KnotMesh& mesh) {
   std::vector<double> shortest(mesh.knots.size(), 1e300);

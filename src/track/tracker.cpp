@@ -309,9 +309,10 @@ class Tracker::Impl {
     next_id_ = mesh.next_id();
     report_->inserted += inserted.size();
     if (!inserted.empty() && options_.optimise_inserted) {
+      // More rings would disturb knots that have settled: more flicker and bytes for the same error.
       knots::OptimiseOptions local = cold_.optimise;
       local.rounds = 1;
-      knots::optimise(mesh, *target_, local, knots::two_ring(mesh, inserted));
+      knots::optimise(mesh, *target_, local, knots::rings_around(mesh, inserted, 1));
     }
     next_mesh_ = mesh.to_mesh();
   }

@@ -351,7 +351,7 @@ class Run {
     if (inserted.empty()) return false;
     knots::OptimiseOptions local = options_.optimise;
     local.rounds = std::min(local.rounds, 1);  // most of the mesh is as good as it gets
-    knots::optimise(*mesh_, *target_, local, knots::two_ring(*mesh_, inserted));
+    knots::optimise(*mesh_, *target_, local, knots::rings_around(*mesh_, inserted, 2));
     lap("optimise");
     return true;
   }

@@ -40,8 +40,10 @@ struct CurveError {
 std::vector<mesh::KnotIndex> refine_features(mesh::EditableMesh& mesh, std::span<const CurveError> errors,
                                              double bound, double min_distance);
 
-/// Knots that local optimisation may move after an insertion (paper sec. 8.2): new ones and their two-ring.
+/// Knots that local optimisation may move after an insertion (paper sec. 8.2): the new ones and so many rings
+/// of neighbours, two in the paper.
 /// @return by place for a knot, whether it may be moved; as optimise() takes it.
-std::vector<bool> two_ring(const mesh::EditableMesh& mesh, const std::vector<mesh::KnotIndex>& inserted);
+std::vector<bool> rings_around(const mesh::EditableMesh& mesh, const std::vector<mesh::KnotIndex>& knots,
+                               int count);
 
 }  // namespace knotreel::knots

@@ -9,7 +9,7 @@
 namespace knotreel::track {
 
 struct SwapOptions {
-  double ratio = 16;    ///< a knot goes if the error that another one could mend is so many times its own
+  double ratio = 40;    ///< a knot goes if the error that another one could mend is so many times its own
   double share = 0.06;  ///< most of the knots that go at once
 };
 
