@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/multiversion.h"
+#include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "spline/places.h"
 
@@ -26,7 +27,8 @@ struct Directions {
   std::array<Vec2, 2> d{};
 };
 
-std::vector<Directions> free_directions(const mesh::KnotMesh& mesh) {
+/// None for knots that are not wanted.
+std::vector<Directions> free_directions(const mesh::KnotMesh& mesh, std::span<const std::uint8_t> wanted) {
   std::vector<Directions> result(mesh.knots.size());
   for (KnotIndex k = 0; k < mesh.knots.size(); ++k) {
     const mesh::Knot& knot = mesh.knots[k];
@@ -41,6 +43,9 @@ std::vector<Directions> free_directions(const mesh::KnotMesh& mesh) {
     for (std::size_t i = 1; i + 1 < s.knots.size(); ++i) {
       result[s.knots[i]] = {1, {(1 / norm(along)) * along, Vec2{}}};
     }
+  }
+  for (KnotIndex k = 0; k < wanted.size(); ++k) {
+    if (!wanted[k]) result[k] = {};
   }
   return result;
 }
@@ -242,11 +247,12 @@ std::pair<int, int> columns_of(const PieceTerm& term, double y, double slack, in
 
 class Derivatives {
  public:
-  Derivatives(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit)
+  Derivatives(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
+              std::span<const std::uint8_t> wanted)
       : basis_(basis),
         image_(*pixels.image),
         fit_(fit),
-        directions_(free_directions(basis.space().mesh())),
+        directions_(free_directions(basis.space().mesh(), wanted)),
         cell_width_(basis.space().mesh().width / image_.width),
         cell_height_(basis.space().mesh().height / image_.height),
         places_(image_.width, image_.height, cell_width_, cell_height_, pixels.places) {
@@ -269,6 +275,8 @@ class Derivatives {
   void add_config(std::size_t config, std::vector<Share>& out) const {
     const Piece& piece = basis_.pieces().pieces[config];
     if (piece.term_begin == piece.term_end) return;
+    const std::vector<KnotIndex> knots = movable_knots(config);
+    if (knots.empty()) return;
     const auto terms =
         std::span(basis_.pieces().terms).subspan(piece.term_begin, piece.term_end - piece.term_begin);
     const spline::SplineSpace& space = basis_.space();
@@ -281,7 +289,7 @@ class Derivatives {
     sum_pixels(config, terms, origin, shapes, gradients);
 
     thread_local std::vector<PieceTerm> shifted;
-    for (const KnotIndex k : knots_of(config)) {
+    for (const KnotIndex k : knots) {
       Share share{k, {}};
       for (int d = 0; d < directions_[k].count; ++d) {
         const Vec2 direction = directions_[k].d[static_cast<std::size_t>(d)];
@@ -296,12 +304,13 @@ class Derivatives {
         }
         share.value = share.value + (sum / kStep) * direction;
       }
-      if (directions_[k].count > 0) out.push_back(share);
+      out.push_back(share);
     }
   }
 
  private:
-  std::vector<KnotIndex> knots_of(std::size_t config) const {
+  /// The knots of a config by which derivatives are taken.
+  std::vector<KnotIndex> movable_knots(std::size_t config) const {
     const spline::SplineSpace& space = basis_.space();
     const spline::Config& c = space.configs()[config];
     std::vector<KnotIndex> knots;
@@ -311,6 +320,7 @@ class Derivatives {
     }
     std::sort(knots.begin(), knots.end());
     knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
+    std::erase_if(knots, [&](KnotIndex k) { return directions_[k].count == 0; });
     return knots;
   }
 
@@ -384,8 +394,12 @@ class Derivatives {
 
 }  // namespace
 
-std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit) {
-  const Derivatives derivatives(basis, pixels, fit);
+std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
+                                std::span<const std::uint8_t> wanted) {
+  if (!wanted.empty() && wanted.size() != basis.space().mesh().knots.size()) {
+    throw Error(ErrorKind::kInvalidArgument, "a gradient is wanted for some of the knots, one flag per knot");
+  }
+  const Derivatives derivatives(basis, pixels, fit, wanted);
   const std::size_t configs = basis.space().configs().size();
   constexpr std::size_t kBlock = 128;
   std::vector<std::vector<Derivatives::Share>> shares((configs + kBlock - 1) / kBlock);
