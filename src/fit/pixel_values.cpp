@@ -57,11 +57,13 @@ void add_span(const double* values, const double* control, std::int32_t count, d
 
 }  // namespace
 
-PixelValues::PixelValues(const spline::Basis& basis, int width, int height, std::span<const Vec2> places)
+PixelValues::PixelValues(const spline::Basis& basis, int width, int height, std::span<const Vec2> places,
+                         std::span<const std::uint8_t> wanted)
     : basis_(&basis),
       width_(width),
       height_(height),
       places_(places),
+      wanted_(wanted),
       band_rows_(std::max(1, kBandPixels / std::max(1, width))) {
   const auto& mesh = basis.space().mesh();
   if (width < 1 || height < 1 || std::fmod(mesh.width, width) != 0 || std::fmod(mesh.height, height) != 0) {
@@ -74,7 +76,7 @@ PixelValues::PixelValues(const spline::Basis& basis, int width, int height, std:
 }
 
 spline::GridValues PixelValues::make(int begin, int end) const {
-  return basis_->evaluate_pixels(width_, height_, places_, begin, end);
+  return basis_->evaluate_pixels(width_, height_, places_, begin, end, wanted_);
 }
 
 void surface_at_pixels(const PixelValues& values, std::span<const double> control, int channels,
