@@ -398,7 +398,10 @@ void add_rows(const PieceSet& set, const Reaches& reaches, const Grid& grid, con
           out[v] = result.values.data() + row.offset + (reach.begin - row.x_begin);
         }
         const PieceTerm& term = set.terms[t];
-        if (reaches.slack[t] > 0) {
+        // Near moved pixels there are rows of pixels that are not; only their columns at walls would not do.
+        const bool moved =
+            reaches.slack[t] > 0 && (term.tent.wall_count > 0 || places.moved(y, reach.begin, reach.end));
+        if (moved) {
           add_moved_row(piece, term, out, grid, places.x(y) + reach.begin, places.y(y) + reach.begin,
                         reach.end - reach.begin);
         } else {
