@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <optional>
 
 #include "base/multiversion.h"
+#include "fit/region_moments.h"
+#include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "spline/places.h"
 
@@ -18,7 +21,9 @@ using spline::Affine;
 using spline::Piece;
 using spline::PieceTerm;
 
-constexpr double kStep = 1e-5;  // pixels, for differences of coefficients
+constexpr double kStep = 1e-5;        // pixels, for differences of coefficients
+constexpr std::size_t kBatch = 512;   // pixels that are added at a time
+constexpr int kBandPixels = 1 << 19;  // about 50 MB of running sums
 
 /// Two unit directions in which a knot may move; the second is unused for knots on a line.
 struct Directions {
@@ -26,7 +31,8 @@ struct Directions {
   std::array<Vec2, 2> d{};
 };
 
-std::vector<Directions> free_directions(const mesh::KnotMesh& mesh) {
+/// None for knots that are not wanted.
+std::vector<Directions> free_directions(const mesh::KnotMesh& mesh, std::span<const std::uint8_t> wanted) {
   std::vector<Directions> result(mesh.knots.size());
   for (KnotIndex k = 0; k < mesh.knots.size(); ++k) {
     const mesh::Knot& knot = mesh.knots[k];
@@ -42,43 +48,37 @@ std::vector<Directions> free_directions(const mesh::KnotMesh& mesh) {
       result[s.knots[i]] = {1, {(1 / norm(along)) * along, Vec2{}}};
     }
   }
+  for (KnotIndex k = 0; k < wanted.size(); ++k) {
+    if (!wanted[k]) result[k] = {};
+  }
   return result;
 }
-
-/// c + x (ux - ox) + y (uy - oy) with a common origin o: what pieces are made of, so that they can be
-/// subtracted.
-struct Plane {
-  double c = 0;
-  double x = 0;
-  double y = 0;
-};
 
 Plane plane_of(const Affine& a, Vec2 origin) {
   return {a(origin), a.nx, a.ny};
 }
 
-Plane operator-(const Plane& a, const Plane& b) {
-  return {a.c - b.c, a.x - b.x, a.y - b.y};
-}
-
-/// One term of a piece: min of the slopes, inside the walls, times the factor, times the three weights. What
-/// is missing is filled in so that it changes nothing: one loop for all kinds.
+/// One term of a piece: min of the slopes, inside the walls, times the factor, times the three weights.
 struct Shape {
-  std::array<Plane, 4> slopes{Plane{1e30, 0, 0}, Plane{1e30, 0, 0}, Plane{1e30, 0, 0}, Plane{1e30, 0, 0}};
-  std::array<Plane, 3> walls{Plane{1, 0, 0}, Plane{1, 0, 0}, Plane{1, 0, 0}};
+  std::array<Plane, 4> slopes{};
+  std::array<Plane, 3> walls{Plane{1, 0, 0}, Plane{1, 0, 0}, Plane{1, 0, 0}};  ///< those missing: far away
   Plane factor{1, 0, 0};
   std::array<Plane, 3> weights{};
+  std::size_t slope_count = 0;  ///< at least 1: the constant of degree 1 is a level slope
+  std::size_t wall_count = 0;
+  bool has_factor = false;
 };
 
 Shape shape_of(const Piece& piece, const PieceTerm& term, Vec2 origin) {
   Shape s;
-  if (term.tent.slope_count == 0) s.slopes[0] = {term.tent.constant, 0, 0};
+  s.slopes[0] = {term.tent.constant, 0, 0};
   for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.slope_count); ++i) {
     s.slopes[i] = plane_of(term.tent.slopes[i], origin);
   }
-  for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.wall_count); ++i) {
-    s.walls[i] = plane_of(term.tent.walls[i], origin);
-  }
+  s.slope_count = static_cast<std::size_t>(std::max(1, term.tent.slope_count));
+  s.wall_count = static_cast<std::size_t>(term.tent.wall_count);
+  for (std::size_t i = 0; i < s.wall_count; ++i) s.walls[i] = plane_of(term.tent.walls[i], origin);
+  s.has_factor = term.has_factor;
   if (term.has_factor) s.factor = plane_of(term.factor, origin);
   for (std::size_t i = 0; i < 3; ++i) s.weights[i] = plane_of(piece.weights[i], origin);
   return s;
@@ -94,20 +94,37 @@ struct PlaneMoments {
   std::array<double, kLanes> y{};
 };
 
-double dot(const Plane& p, const PlaneMoments& m) {
-  const auto sum = [](const std::array<double, kLanes>& v) {
-    return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
-  };
-  return p.c * sum(m.c) + p.x * sum(m.x) + p.y * sum(m.y);
+double dot(const Plane& p, const Plane& q) {
+  return p.c * q.c + p.x * q.x + p.y * q.y;
 }
 
-/// Derivative of sum over pixels of (q_0 w_0 + q_1 w_1 + q_2 w_2) * factor * min of slopes by each of its
-/// planes.
+void add_to(Plane& sum, const PlaneMoments& m) {
+  const auto total = [](const std::array<double, kLanes>& v) {
+    return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
+  };
+  sum = {sum.c + total(m.c), sum.x + total(m.x), sum.y + total(m.y)};
+}
+
+/// Derivative of sum over pixels of (q_0 w_0 + q_1 w_1 + q_2 w_2) * factor * min of slopes by the
+/// coefficients of each of its planes.
 struct ShapeGradient {
+  std::array<Plane, 4> slopes{};
+  Plane factor{};
+  std::array<Plane, 3> weights{};
+};
+
+/// The same while pixels are added, by lanes.
+struct ShapeMoments {
   std::array<PlaneMoments, 4> slopes{};
   PlaneMoments factor{};
   std::array<PlaneMoments, 3> weights{};
 };
+
+void add_to(ShapeGradient& gradient, const ShapeMoments& moments) {
+  for (std::size_t i = 0; i < 4; ++i) add_to(gradient.slopes[i], moments.slopes[i]);
+  add_to(gradient.factor, moments.factor);
+  for (std::size_t i = 0; i < 3; ++i) add_to(gradient.weights[i], moments.weights[i]);
+}
 
 /// How the sum changes when the planes change like this.
 double change(const ShapeGradient& g, const Shape& from, const Shape& to) {
@@ -117,23 +134,35 @@ double change(const ShapeGradient& g, const Shape& from, const Shape& to) {
   return sum;
 }
 
-/// A row of pixels, padded with zeros to a multiple of kLanes: places relative to the origin, and residual
-/// times control point for each of the three functions.
-struct PixelRow {
+/// Pixels in any order: places relative to the origin, and weighted residuals.
+struct PixelBatch {
   std::vector<double> x, y;
+  std::array<std::vector<float>, 4> residual;
+  /// Residual times control point for each of the three functions.
   std::array<std::vector<double>, 3> q;
   /// Scratch: the quantities whose moments are taken.
   std::array<std::vector<double>, 8> out;
 
-  void resize(std::size_t n) {
-    const std::size_t padded = (n + kLanes - 1) / kLanes * kLanes;
-    for (auto* v : {&x, &y, &q[0], &q[1], &q[2]}) v->assign(padded, 0.0);
+  void clear() {
+    x.clear();
+    y.clear();
+    for (auto& r : residual) r.clear();
+  }
+
+  /// Fills up to a multiple of kLanes with pixels without a residual.
+  void pad() {
+    const std::size_t padded = (x.size() + kLanes - 1) / kLanes * kLanes;
+    x.resize(padded);
+    y.resize(padded);
+    for (auto& r : residual) r.resize(padded);
+    for (auto& v : q) v.assign(padded, 0.0);
     for (auto& v : out) v.resize(padded);
   }
 };
 
-/// The quantities of one row whose moments are taken: o0 to o3 for the slopes, each where it rules, of for
-/// the factor and p0 to p2 for the weights.
+/// The quantities of n pixels whose moments are taken: o0 to o3 for the slopes, each where it rules, of for
+/// the factor and p0 to p2 for the weights. S: the number of slopes; quantities of those missing are not set.
+template <int S, bool Walls, bool Factor>
 [[gnu::always_inline]] inline void fill_quantities(const Shape& s, std::size_t n, const double* __restrict x,
                                                    const double* __restrict y, const double* __restrict q0,
                                                    const double* __restrict q1, const double* __restrict q2,
@@ -149,39 +178,70 @@ struct PixelRow {
     const double uy = y[i];
     const auto at = [ux, uy](const Plane& p) { return p.c + p.x * ux + p.y * uy; };
     const double v0 = at(s0);
-    const double v1 = at(s1);
-    const double v2 = at(s2);
-    const double v3 = at(s3);
-    const double a = v1 < v0 ? v1 : v0;
-    const double b = v3 < v2 ? v3 : v2;
-    const double least = b < a ? b : a;
-    const double d0 = at(a0);
-    const double d1 = at(a1);
-    const double d2 = at(a2);
-    const double d01 = d1 < d0 ? d1 : d0;
-    const double d = d2 < d01 ? d2 : d01;
+    double v1 = 0, v2 = 0;
+    double least = v0;
+    if constexpr (S > 1) least = (v1 = at(s1)) < least ? v1 : least;
+    if constexpr (S > 2) least = (v2 = at(s2)) < least ? v2 : least;
+    if constexpr (S > 3) least = at(s3) < least ? at(s3) : least;
     // Each pixel counts for the slope that rules there; ties go to the first. Products with 0 or 1, because
     // choices that depend on each other keep the compiler from using vectors.
-    const double inside = d > 0 ? 1.0 : 0.0;
-    const double above = least > 0 ? 1.0 : 0.0;
-    const double rules0 = v0 <= least ? 1.0 : 0.0;
-    const double rules1 = v1 <= least ? 1.0 : 0.0;
-    const double rules2 = v2 <= least ? 1.0 : 0.0;
-    const double positive = inside * above;
-    const double v = least * positive;
+    double positive = least > 0 ? 1.0 : 0.0;
+    if constexpr (Walls) {
+      const double d0 = at(a0);
+      const double d1 = at(a1);
+      const double d2 = at(a2);
+      const double d01 = d1 < d0 ? d1 : d0;
+      const double d = d2 < d01 ? d2 : d01;
+      positive *= d > 0 ? 1.0 : 0.0;
+    }
+    double v = least * positive;
     const double share = at(w0) * q0[i] + at(w1) * q1[i] + at(w2) * q2[i];
-    const double f = at(wf);
-    const double slope0 = share * f * positive;
-    const double slope1 = slope0 - slope0 * rules0;
-    const double slope2 = slope1 - slope1 * rules1;
-    o0[i] = slope0 * rules0;
-    o1[i] = slope1 * rules1;
-    o2[i] = slope2 * rules2;
-    o3[i] = slope2 - slope2 * rules2;
-    of[i] = v * share;
-    p0[i] = v * f * q0[i];
-    p1[i] = v * f * q1[i];
-    p2[i] = v * f * q2[i];
+    double slope = share * positive;
+    if constexpr (Factor) {
+      const double f = at(wf);
+      of[i] = v * share;
+      v *= f;
+      slope *= f;
+    }
+    if constexpr (S > 1) {
+      const double rules = v0 <= least ? 1.0 : 0.0;
+      o0[i] = slope * rules;
+      slope -= slope * rules;
+    }
+    if constexpr (S > 2) {
+      const double rules = v1 <= least ? 1.0 : 0.0;
+      o1[i] = slope * rules;
+      slope -= slope * rules;
+    }
+    if constexpr (S > 3) {
+      const double rules = v2 <= least ? 1.0 : 0.0;
+      o2[i] = slope * rules;
+      slope -= slope * rules;
+    }
+    double* const last = S > 3 ? o3 : S > 2 ? o2 : S > 1 ? o1 : o0;
+    last[i] = slope;
+    p0[i] = v * q0[i];
+    p1[i] = v * q1[i];
+    p2[i] = v * q2[i];
+  }
+}
+
+template <bool Walls, bool Factor>
+[[gnu::always_inline]] inline void fill_by_slopes(const Shape& s, std::size_t n, const double* x,
+                                                  const double* y, const double* const* q, double* const* o) {
+  switch (s.slope_count) {
+    case 1:
+      return fill_quantities<1, Walls, Factor>(s, n, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4],
+                                               o[5], o[6], o[7]);
+    case 2:
+      return fill_quantities<2, Walls, Factor>(s, n, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4],
+                                               o[5], o[6], o[7]);
+    case 3:
+      return fill_quantities<3, Walls, Factor>(s, n, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4],
+                                               o[5], o[6], o[7]);
+    default:
+      return fill_quantities<4, Walls, Factor>(s, n, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4],
+                                               o[5], o[6], o[7]);
   }
 }
 
@@ -199,16 +259,20 @@ struct PixelRow {
   moments = sum;
 }
 
-/// Adds one row of n pixels.
+/// Adds n pixels.
 KNOTREEL_MULTIVERSION
-void add_row(const Shape& s, std::size_t n, const double* x, const double* y, const double* const* q,
-             double* const* o, ShapeGradient& gradient) {
-  fill_quantities(s, n, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4], o[5], o[6], o[7]);
-  for (std::size_t k = 0; k < 4; ++k) {
-    if (s.slopes[k].c < 1e29) add_moments(n, x, y, o[k], gradient.slopes[k]);
+void add_pixels(const Shape& s, std::size_t n, const double* x, const double* y, const double* const* q,
+                double* const* o, ShapeMoments& moments) {
+  if (s.has_factor) {
+    fill_by_slopes<true, true>(s, n, x, y, q, o);
+    add_moments(n, x, y, o[4], moments.factor);
+  } else if (s.wall_count > 0) {
+    fill_by_slopes<true, false>(s, n, x, y, q, o);
+  } else {
+    fill_by_slopes<false, false>(s, n, x, y, q, o);
   }
-  if (s.factor.x != 0 || s.factor.y != 0) add_moments(n, x, y, o[4], gradient.factor);
-  for (std::size_t k = 0; k < 3; ++k) add_moments(n, x, y, o[5 + k], gradient.weights[k]);
+  for (std::size_t k = 0; k < s.slope_count; ++k) add_moments(n, x, y, o[k], moments.slopes[k]);
+  for (std::size_t k = 0; k < 3; ++k) add_moments(n, x, y, o[5 + k], moments.weights[k]);
 }
 
 /// q[i] += sum over channels of residual[channel][i] * control[channel].
@@ -221,6 +285,67 @@ void project(const std::array<const float*, 4>& residual, const double* control,
     for (std::size_t i = 0; i < n; ++i) q[i] += static_cast<double>(r[i]) * weight;
   }
 }
+
+/// A term without a factor by the regions where each of its slopes rules.
+class Regions {
+ public:
+  Regions(const Shape& shape, int left, int right, double cell_width, Vec2 origin)
+      : count_(shape.slope_count) {
+    for (std::size_t k = 0; k < count_; ++k) {
+      Region region(left, right, cell_width, origin);
+      for (std::size_t j = 0; j < count_; ++j) {
+        if (j != k) region.cut(shape.slopes[j] - shape.slopes[k]);
+      }
+      if (shape.slopes[k].x != 0 || shape.slopes[k].y != 0) region.cut(shape.slopes[k]);
+      for (std::size_t i = 0; i < shape.wall_count; ++i) region.cut(shape.walls[i]);
+      regions_[k] = region;
+    }
+  }
+
+  void add_row(const RunningSums::Sums* sums, double y) {
+    for (std::size_t k = 0; k < count_; ++k) regions_[k].add_row(sums, y, moments_[k]);
+  }
+
+  /// @param control points of the three functions; of functions that vanish: none.
+  void add_to(const Shape& shape, const std::array<std::span<const double>, 3>& control,
+              ShapeGradient& gradient) const {
+    for (std::size_t k = 0; k < count_; ++k) {
+      for (std::size_t v = 0; v < 3; ++v) {
+        const ProductMoments q(moments_[k], control[v]);
+        add(gradient.slopes[k], q.times(shape.weights[v]));
+        add(gradient.weights[v], q.times(shape.slopes[k]));
+      }
+    }
+  }
+
+ private:
+  /// Moments of the residual times a control point.
+  struct ProductMoments {
+    double one = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
+
+    ProductMoments(const Moments& m, std::span<const double> control) {
+      for (std::size_t c = 0; c < control.size(); ++c) {
+        one += control[c] * m.one[c];
+        x += control[c] * m.x[c];
+        y += control[c] * m.y[c];
+        xx += control[c] * m.xx[c];
+        xy += control[c] * m.xy[c];
+        yy += control[c] * m.yy[c];
+      }
+    }
+
+    /// Moments of order 0 and 1 of the product with a plane.
+    Plane times(const Plane& p) const {
+      return {p.c * one + p.x * x + p.y * y, p.c * x + p.x * xx + p.y * xy, p.c * y + p.x * xy + p.y * yy};
+    }
+  };
+
+  static void add(Plane& sum, const Plane& p) { sum = {sum.c + p.c, sum.x + p.x, sum.y + p.y}; }
+
+  std::size_t count_;
+  std::array<Region, 4> regions_{};
+  std::array<Moments, 4> moments_{};
+};
 
 /// Columns of the row at height y where a term can be positive, for pixels at most `slack` from their
 /// centres.
@@ -242,15 +367,17 @@ std::pair<int, int> columns_of(const PieceTerm& term, double y, double slack, in
 
 class Derivatives {
  public:
-  Derivatives(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit)
+  Derivatives(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
+              std::span<const std::uint8_t> wanted)
       : basis_(basis),
         image_(*pixels.image),
         fit_(fit),
-        directions_(free_directions(basis.space().mesh())),
+        directions_(free_directions(basis.space().mesh(), wanted)),
         cell_width_(basis.space().mesh().width / image_.width),
         cell_height_(basis.space().mesh().height / image_.height),
         places_(image_.width, image_.height, cell_width_, cell_height_, pixels.places) {
     const auto channels = static_cast<std::size_t>(image_.channels);
+    weighted_.resize(channels);
     for (std::size_t c = 0; c < channels; ++c) {
       weighted_[c].resize(image_.pixel_count());
       for (std::size_t i = 0; i < weighted_[c].size(); ++i) {
@@ -260,28 +387,40 @@ class Derivatives {
     }
   }
 
+  double cell_width() const { return cell_width_; }
+
+  /// Residual times weight, by channel.
+  std::span<const std::vector<float>> weighted() const { return weighted_; }
+
+  /// Adds the pixels of a band of rows to the gradient by the planes of the terms of one config.
+  void add_band(std::size_t config, const RunningSums& sums, std::span<ShapeGradient> by_term) const {
+    const Piece& piece = basis_.pieces().pieces[config];
+    if (piece.term_begin == piece.term_end || movable_knots(config).count == 0) return;
+    sum_pixels(config, sums, by_term.subspan(piece.term_begin, piece.term_end - piece.term_begin));
+  }
+
   struct Share {
     KnotIndex knot;
     Vec2 value;
   };
 
   /// d/dt of sum over pixels of r . S_config for the knots of one config.
-  void add_config(std::size_t config, std::vector<Share>& out) const {
+  void add_shares(std::size_t config, std::span<const ShapeGradient> by_term, std::vector<Share>& out) const {
     const Piece& piece = basis_.pieces().pieces[config];
     if (piece.term_begin == piece.term_end) return;
-    const auto terms =
-        std::span(basis_.pieces().terms).subspan(piece.term_begin, piece.term_end - piece.term_begin);
+    const MovableKnots knots = movable_knots(config);
+    if (knots.count == 0) return;
+    const std::span<const PieceTerm> terms = terms_of(piece);
+    const auto gradients = by_term.subspan(piece.term_begin, terms.size());
     const spline::SplineSpace& space = basis_.space();
-    const Vec2 origin = space.position(space.configs()[config].triangle[0]);
+    const Vec2 origin = origin_of(config);
     thread_local std::vector<Shape> shapes;
-    thread_local std::vector<ShapeGradient> gradients;
     shapes.clear();
     for (const PieceTerm& term : terms) shapes.push_back(shape_of(piece, term, origin));
-    gradients.assign(shapes.size(), {});
-    sum_pixels(config, terms, origin, shapes, gradients);
 
     thread_local std::vector<PieceTerm> shifted;
-    for (const KnotIndex k : knots_of(config)) {
+    for (std::size_t i = 0; i < knots.count; ++i) {
+      const KnotIndex k = knots.knots[i];
       Share share{k, {}};
       for (int d = 0; d < directions_[k].count; ++d) {
         const Vec2 direction = directions_[k].d[static_cast<std::size_t>(d)];
@@ -296,80 +435,132 @@ class Derivatives {
         }
         share.value = share.value + (sum / kStep) * direction;
       }
-      if (directions_[k].count > 0) out.push_back(share);
+      out.push_back(share);
     }
   }
 
  private:
-  std::vector<KnotIndex> knots_of(std::size_t config) const {
-    const spline::SplineSpace& space = basis_.space();
-    const spline::Config& c = space.configs()[config];
-    std::vector<KnotIndex> knots;
-    for (const auto corner : c.triangle) knots.push_back(space.cut().corners[corner].knot);
-    for (int i = 0; i + 1 < space.degree(); ++i) {
-      knots.push_back(space.cut().corners[c.inner[static_cast<std::size_t>(i)]].knot);
-    }
-    std::sort(knots.begin(), knots.end());
-    knots.erase(std::unique(knots.begin(), knots.end()), knots.end());
-    return knots;
+  Vec2 origin_of(std::size_t config) const {
+    return basis_.space().position(basis_.space().configs()[config].triangle[0]);
   }
 
-  void sum_pixels(std::size_t config, std::span<const PieceTerm> terms, Vec2 origin,
-                  const std::vector<Shape>& shapes, std::vector<ShapeGradient>& gradients) const {
+  std::span<const PieceTerm> terms_of(const Piece& piece) const {
+    return std::span(basis_.pieces().terms).subspan(piece.term_begin, piece.term_end - piece.term_begin);
+  }
+
+  /// The knots of a config by which derivatives are taken, each once.
+  struct MovableKnots {
+    std::array<KnotIndex, 5> knots{};
+    std::size_t count = 0;
+  };
+
+  MovableKnots movable_knots(std::size_t config) const {
+    const spline::SplineSpace& space = basis_.space();
+    const spline::Config& c = space.configs()[config];
+    MovableKnots result;
+    const auto add = [&](spline::CornerIndex corner) {
+      const KnotIndex k = space.cut().corners[corner].knot;
+      const auto known = std::span(result.knots).first(result.count);
+      if (directions_[k].count == 0 || std::find(known.begin(), known.end(), k) != known.end()) return;
+      result.knots[result.count++] = k;
+    };
+    for (const auto corner : c.triangle) add(corner);
+    for (int i = 0; i + 1 < space.degree(); ++i) add(c.inner[static_cast<std::size_t>(i)]);
+    return result;
+  }
+
+  /// Rows that stay in place are summed by regions, pixels with places of their own one by one.
+  void sum_pixels(std::size_t config, const RunningSums& sums, std::span<ShapeGradient> gradients) const {
+    const Piece& piece = basis_.pieces().pieces[config];
+    const std::span<const PieceTerm> terms = terms_of(piece);
     // All terms of a piece have the same box.
     const Vec2 low = terms.front().low;
     const Vec2 high = terms.front().high;
     const double slack = places_.reach(low, high);
-    const auto clamped = [](double v, int n) { return static_cast<int>(std::clamp(v, 0.0, double(n))); };
-    const int top = clamped(std::ceil((low.y - slack) / cell_height_ - 0.5), image_.height);
-    const int bottom = clamped(std::floor((high.y + slack) / cell_height_ - 0.5) + 1, image_.height);
-    thread_local PixelRow row;
+    const auto first = [slack](double v, double cell, int from, int to) {
+      return static_cast<int>(std::clamp(std::ceil((v - slack) / cell - 0.5), double(from), double(to)));
+    };
+    const auto last = [slack](double v, double cell, int from, int to) {
+      return static_cast<int>(std::clamp(std::floor((v + slack) / cell - 0.5) + 1, double(from), double(to)));
+    };
+    const int top = first(low.y, cell_height_, sums.begin(), sums.end());
+    const int bottom = last(high.y, cell_height_, sums.begin(), sums.end());
+    const int left = first(low.x, cell_width_, 0, image_.width);
+    const int right = last(high.x, cell_width_, 0, image_.width);
+    if (top >= bottom || left >= right) return;
+
+    const Vec2 origin = origin_of(config);
+    thread_local std::vector<Shape> shapes;
+    shapes.clear();
+    for (const PieceTerm& term : terms) shapes.push_back(shape_of(piece, term, origin));
+    std::optional<Regions> regions;
+    if (!terms.front().has_factor) regions.emplace(shapes.front(), left, right, cell_width_, origin);
+    thread_local PixelBatch batch;
+    batch.clear();
     for (int y = top; y < bottom; ++y) {
-      int from = image_.width;
-      int to = 0;
-      for (const PieceTerm& term : terms) {
-        const auto [first, last] =
-            columns_of(term, (y + 0.5) * cell_height_, slack, image_.width, cell_width_);
-        if (first >= last) continue;
-        from = std::min(from, first);
-        to = std::max(to, last);
+      if (regions && !(slack > 0 && places_.moved(y, left, right))) {
+        regions->add_row(sums.row(y), (y + 0.5) * cell_height_ - origin.y);
+      } else {
+        append_row(y, slack, terms, origin, batch);
+        if (batch.x.size() >= kBatch) add_batch(config, shapes, batch, gradients);
       }
-      if (from >= to) continue;
-      fill_row(config, y, from, to, origin, slack > 0, row);
-      const double* q[] = {row.q[0].data(), row.q[1].data(), row.q[2].data()};
-      double* out[8];
-      for (std::size_t k = 0; k < 8; ++k) out[k] = row.out[k].data();
-      for (std::size_t t = 0; t < terms.size(); ++t) {
-        add_row(shapes[t], row.x.size(), row.x.data(), row.y.data(), q, out, gradients[t]);
-      }
+    }
+    if (regions) regions->add_to(shapes.front(), controls_of(config), gradients.front());
+    if (!batch.x.empty()) add_batch(config, shapes, batch, gradients);
+  }
+
+  std::array<std::span<const double>, 3> controls_of(std::size_t config) const {
+    const auto channels = static_cast<std::size_t>(image_.channels);
+    std::array<std::span<const double>, 3> result;
+    for (std::size_t v = 0; v < 3; ++v) {
+      const spline::FunctionIndex f = basis_.space().configs()[config].functions[v];
+      if (f != spline::kNoFunction) result[v] = std::span(fit_.control).subspan(f * channels, channels);
+    }
+    return result;
+  }
+
+  /// The pixels of a row in which some term may be positive.
+  void append_row(int y, double slack, std::span<const PieceTerm> terms, Vec2 origin,
+                  PixelBatch& batch) const {
+    int from = image_.width;
+    int to = 0;
+    for (const PieceTerm& term : terms) {
+      const auto [first, last] = columns_of(term, (y + 0.5) * cell_height_, slack, image_.width, cell_width_);
+      if (first >= last) continue;
+      from = std::min(from, first);
+      to = std::max(to, last);
+    }
+    for (int x = from; x < to; ++x) {
+      batch.x.push_back((slack > 0 ? places_.x(y)[x] : (x + 0.5) * cell_width_) - origin.x);
+      batch.y.push_back((slack > 0 ? places_.y(y)[x] : (y + 0.5) * cell_height_) - origin.y);
+    }
+    if (from >= to) return;
+    const std::size_t row = static_cast<std::size_t>(y) * std::size_t(image_.width);
+    for (std::size_t c = 0; c < weighted_.size(); ++c) {
+      const float* r = weighted_[c].data() + row;
+      batch.residual[c].insert(batch.residual[c].end(), r + from, r + to);
     }
   }
 
-  /// The pixels [from, to) of a row.
-  void fill_row(std::size_t config, int y, int from, int to, Vec2 origin, bool moved, PixelRow& row) const {
-    const auto n = static_cast<std::size_t>(to - from);
-    row.resize(n);
-    if (moved) {
-      const double* x = places_.x(y) + from;
-      const double* v = places_.y(y) + from;
-      for (std::size_t i = 0; i < n; ++i) row.x[i] = x[i] - origin.x;
-      for (std::size_t i = 0; i < n; ++i) row.y[i] = v[i] - origin.y;
-    } else {
-      for (std::size_t i = 0; i < n; ++i) {
-        row.x[i] = (from + 0.5) * cell_width_ - origin.x + static_cast<double>(i) * cell_width_;
-      }
-      std::fill_n(row.y.begin(), n, (y + 0.5) * cell_height_ - origin.y);
-    }
-    const auto channels = static_cast<std::size_t>(image_.channels);
-    const std::size_t first =
-        static_cast<std::size_t>(y) * std::size_t(image_.width) + static_cast<std::size_t>(from);
+  /// Adds the pixels of a batch and clears it.
+  void add_batch(std::size_t config, const std::vector<Shape>& shapes, PixelBatch& batch,
+                 std::span<ShapeGradient> gradients) const {
+    batch.pad();
+    const std::size_t n = batch.x.size();
     std::array<const float*, 4> residual{};
-    for (std::size_t c = 0; c < channels; ++c) residual[c] = weighted_[c].data() + first;
-    const auto& functions = basis_.space().configs()[config].functions;
-    for (std::size_t v = 0; v < 3; ++v) {
-      if (functions[v] == spline::kNoFunction) continue;
-      project(residual, fit_.control.data() + functions[v] * channels, channels, n, row.q[v].data());
+    for (std::size_t c = 0; c < 4; ++c) residual[c] = batch.residual[c].data();
+    const auto controls = controls_of(config);
+    for (std::size_t v = 0; v < 3; ++v)
+      project(residual, controls[v].data(), controls[v].size(), n, batch.q[v].data());
+    const double* q[] = {batch.q[0].data(), batch.q[1].data(), batch.q[2].data()};
+    double* out[8];
+    for (std::size_t k = 0; k < 8; ++k) out[k] = batch.out[k].data();
+    for (std::size_t t = 0; t < shapes.size(); ++t) {
+      ShapeMoments moments;
+      add_pixels(shapes[t], n, batch.x.data(), batch.y.data(), q, out, moments);
+      add_to(gradients[t], moments);
     }
+    batch.clear();
   }
 
   const spline::Basis& basis_;
@@ -379,21 +570,34 @@ class Derivatives {
   double cell_width_;  ///< of a pixel in the domain
   double cell_height_;
   spline::Places places_;
-  std::array<std::vector<float>, 4> weighted_;  ///< residual times weight, by channel
+  std::vector<std::vector<float>> weighted_;  ///< residual times weight, by channel
 };
 
 }  // namespace
 
-std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit) {
-  const Derivatives derivatives(basis, pixels, fit);
+std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
+                                std::span<const std::uint8_t> wanted) {
+  if (!wanted.empty() && wanted.size() != basis.space().mesh().knots.size()) {
+    throw Error(ErrorKind::kInvalidArgument, "a gradient is wanted for some of the knots, one flag per knot");
+  }
+  const Derivatives derivatives(basis, pixels, fit, wanted);
   const std::size_t configs = basis.space().configs().size();
   constexpr std::size_t kBlock = 128;
-  std::vector<std::vector<Derivatives::Share>> shares((configs + kBlock - 1) / kBlock);
-  parallel_for(shares.size(), [&](std::size_t b) {
-    for (std::size_t c = b * kBlock; c < std::min(configs, (b + 1) * kBlock); ++c) {
-      derivatives.add_config(c, shares[b]);
-    }
-  });
+  const std::size_t blocks = (configs + kBlock - 1) / kBlock;
+  const auto for_configs = [&](auto&& visit) {
+    parallel_for(blocks, [&](std::size_t b) {
+      for (std::size_t c = b * kBlock; c < std::min(configs, (b + 1) * kBlock); ++c) visit(b, c);
+    });
+  };
+  std::vector<ShapeGradient> by_term(basis.pieces().terms.size());
+  const int rows = std::max(1, kBandPixels / pixels.image->width);
+  for (int begin = 0; begin < pixels.image->height; begin += rows) {
+    const RunningSums sums(derivatives.weighted(), pixels.image->width, begin,
+                           std::min(pixels.image->height, begin + rows), derivatives.cell_width());
+    for_configs([&](std::size_t, std::size_t c) { derivatives.add_band(c, sums, by_term); });
+  }
+  std::vector<std::vector<Derivatives::Share>> shares(blocks);
+  for_configs([&](std::size_t b, std::size_t c) { derivatives.add_shares(c, by_term, shares[b]); });
   std::vector<Vec2> gradient(basis.space().mesh().knots.size());
   for (const auto& block : shares) {
     for (const auto& s : block) gradient[s.knot] = gradient[s.knot] - 2 * s.value;

@@ -147,21 +147,32 @@ struct Entry {
   double value;
 };
 
-/// Row f of A^T W b for one band.
-void add_right(const GridValues& grid, const double* weighted, const image::Image& target, FunctionIndex f,
-               Eigen::MatrixXd& right) {
-  const auto channels = static_cast<std::size_t>(target.channels);
+/// The samples of a picture, padded to four channels.
+using Samples = std::vector<std::array<float, 4>>;
+
+Samples padded(const image::Image& image) {
+  const auto channels = static_cast<std::size_t>(image.channels);
+  Samples samples(image.pixel_count());
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    for (std::size_t c = 0; c < channels; ++c) samples[i][c] = image.samples[i * channels + c];
+  }
+  return samples;
+}
+
+/// The sum over the pixels of a function of its weighted values times the samples.
+KNOTREEL_MULTIVERSION
+std::array<double, 4> product(std::span<const GridValues::Row> rows, const double* weighted,
+                              const std::array<float, 4>* target, std::size_t width) {
   std::array<double, 4> sum{};
-  for (const GridValues::Row& row : grid.rows_of(f)) {
+  for (const GridValues::Row& row : rows) {
     const double* v = weighted + row.offset;
-    const float* pixel = target.row(row.y).data() + static_cast<std::size_t>(row.x_begin) * channels;
-    for (std::int32_t i = 0; i < row.x_end - row.x_begin; ++i, pixel += channels) {
-      for (std::size_t c = 0; c < channels; ++c) sum[c] += v[i] * static_cast<double>(pixel[c]);
+    const std::array<float, 4>* pixel =
+        target + static_cast<std::size_t>(row.y) * width + static_cast<std::size_t>(row.x_begin);
+    for (std::int32_t i = 0; i < row.x_end - row.x_begin; ++i) {
+      for (std::size_t c = 0; c < 4; ++c) sum[c] += v[i] * static_cast<double>(pixel[i][c]);
     }
   }
-  for (std::size_t c = 0; c < channels; ++c) {
-    right(static_cast<Eigen::Index>(f), static_cast<Eigen::Index>(c)) += sum[c];
-  }
+  return sum;
 }
 
 Eigen::SparseMatrix<double> to_matrix(const std::vector<std::vector<Entry>>& columns) {
@@ -189,6 +200,7 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
   NormalEquations normal;
   normal.right.setZero(n, target.channels);
   normal.matrix.resize(n, n);
+  const Samples samples = padded(target);
   values.for_bands([&](const GridValues& grid, int, int) {
     std::vector<double> scaled;
     if (!weights.empty()) scaled = weighted_values(grid, weights, values.width());
@@ -215,7 +227,11 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
           const double sum = product(grid, weighted, f, g);
           if (sum != 0 || g == f) columns[f].push_back({g, sum});
         }
-        add_right(grid, weighted, target, f, normal.right);
+        const std::array<double, 4> sum =
+            product(grid.rows_of(f), weighted, samples.data(), static_cast<std::size_t>(target.width));
+        for (Eigen::Index c = 0; c < target.channels; ++c) {
+          normal.right(static_cast<Eigen::Index>(f), c) += sum[static_cast<std::size_t>(c)];
+        }
       }
     });
     const Eigen::SparseMatrix<double> band = to_matrix(columns);

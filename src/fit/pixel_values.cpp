@@ -1,9 +1,11 @@
 #include "knotreel/fit/pixel_values.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numeric>
 
+#include "base/multiversion.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 
@@ -46,22 +48,41 @@ class RowIndex {
   std::vector<Entry> entries_;
 };
 
+/// out[c][i] += values[i] * control[c] for all channels.
 template <std::size_t Channels>
-void add_span(const double* values, const double* control, std::int32_t count, double* out) {
-  for (std::int32_t i = 0; i < count; ++i) {
-    for (std::size_t c = 0; c < Channels; ++c) {
-      out[static_cast<std::size_t>(i) * Channels + c] += values[i] * control[c];
-    }
+[[gnu::always_inline]] inline void add_channels(const double* __restrict values, const double* control,
+                                                std::int32_t count, const std::array<double*, 4>& out) {
+  for (std::size_t c = 0; c < Channels; ++c) {
+    double* __restrict to = out[c];
+    const double weight = control[c];
+    for (std::int32_t i = 0; i < count; ++i) to[i] += values[i] * weight;
+  }
+}
+
+KNOTREEL_MULTIVERSION
+void add_span(const double* values, const double* control, std::size_t channels, std::int32_t count,
+              const std::array<double*, 4>& out) {
+  switch (channels) {
+    case 1:
+      return add_channels<1>(values, control, count, out);
+    case 2:
+      return add_channels<2>(values, control, count, out);
+    case 3:
+      return add_channels<3>(values, control, count, out);
+    default:
+      return add_channels<4>(values, control, count, out);
   }
 }
 
 }  // namespace
 
-PixelValues::PixelValues(const spline::Basis& basis, int width, int height, std::span<const Vec2> places)
+PixelValues::PixelValues(const spline::Basis& basis, int width, int height, std::span<const Vec2> places,
+                         std::span<const std::uint8_t> wanted)
     : basis_(&basis),
       width_(width),
       height_(height),
       places_(places),
+      wanted_(wanted),
       band_rows_(std::max(1, kBandPixels / std::max(1, width))) {
   const auto& mesh = basis.space().mesh();
   if (width < 1 || height < 1 || std::fmod(mesh.width, width) != 0 || std::fmod(mesh.height, height) != 0) {
@@ -74,37 +95,29 @@ PixelValues::PixelValues(const spline::Basis& basis, int width, int height, std:
 }
 
 spline::GridValues PixelValues::make(int begin, int end) const {
-  return basis_->evaluate_pixels(width_, height_, places_, begin, end);
+  return basis_->evaluate_pixels(width_, height_, places_, begin, end, wanted_);
 }
 
-void surface_at_pixels(const PixelValues& values, std::span<const double> control, int channels,
+void surface_at_pixels(const PixelValues& values, std::span<const double> control, int channel_count,
                        std::span<double> out) {
-  const std::size_t row_size = static_cast<std::size_t>(values.width()) * static_cast<std::size_t>(channels);
-  std::fill(out.begin(), out.end(), 0.0);
+  const auto width = static_cast<std::size_t>(values.width());
+  const auto channels = static_cast<std::size_t>(channel_count);
   values.for_bands([&](const spline::GridValues& grid, int begin, int end) {
     const RowIndex index(grid, begin, end);
     parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i) {
       const int y = begin + static_cast<int>(i);
-      double* row = out.data() + static_cast<std::size_t>(y) * row_size;
+      // Channel by channel, because vectors of pixels want no interleaving.
+      thread_local std::vector<double> planes;
+      planes.assign(width * channels, 0.0);
       for (const RowIndex::Entry& e : index.row(y)) {
-        const double* v = grid.values.data() + e.row->offset;
-        const double* c = control.data() + e.function * static_cast<std::size_t>(channels);
-        double* at = row + static_cast<std::size_t>(e.row->x_begin) * static_cast<std::size_t>(channels);
-        const std::int32_t count = e.row->x_end - e.row->x_begin;
-        switch (channels) {
-          case 1:
-            add_span<1>(v, c, count, at);
-            break;
-          case 2:
-            add_span<2>(v, c, count, at);
-            break;
-          case 3:
-            add_span<3>(v, c, count, at);
-            break;
-          default:
-            add_span<4>(v, c, count, at);
-            break;
-        }
+        std::array<double*, 4> at{};
+        for (std::size_t c = 0; c < channels; ++c) at[c] = planes.data() + c * width + e.row->x_begin;
+        add_span(grid.values.data() + e.row->offset, control.data() + e.function * channels, channels,
+                 e.row->x_end - e.row->x_begin, at);
+      }
+      double* row = out.data() + static_cast<std::size_t>(y) * width * channels;
+      for (std::size_t x = 0; x < width; ++x) {
+        for (std::size_t c = 0; c < channels; ++c) row[x * channels + c] = planes[c * width + x];
       }
     });
   });

@@ -262,31 +262,22 @@ GridValues lay_out(const SplineSpace& space, const PieceSet& set, const Reaches&
   return grid;
 }
 
-/// Values of one term at n places with its three weights; the sign of a place exactly on a wall is left open.
-/// @return whether there was such a place.
-KNOTREEL_MULTIVERSION
-bool add_places(const Piece& piece, const PieceTerm& term, const std::array<double*, 3>& out,
-                const double* __restrict x, const double* __restrict y, std::int32_t n) {
-  // Missing slopes never rule, missing walls are far away.
-  constexpr Affine kHigh{0, 0, 0, 0};
-  std::array<Affine, 4> s{kHigh, kHigh, kHigh, kHigh};
-  std::array<double, 4> high{1e300, 1e300, 1e300, 1e300};
-  if (term.tent.slope_count == 0) high[0] = term.tent.constant;
-  for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.slope_count); ++i) {
-    s[i] = term.tent.slopes[i];
-    high[i] = 0;
-  }
-  std::array<Affine, 3> walls{kHigh, kHigh, kHigh};
+/// S: number of slopes, 0 for the constant tents of degree 1. Inlined into each version of add_places.
+template <int S, bool Walls, bool Factor>
+[[gnu::always_inline]] inline bool places_loop(const Piece& piece, const PieceTerm& term,
+                                               const std::array<double*, 3>& out, const double* __restrict x,
+                                               const double* __restrict y, std::int32_t n) {
+  const std::array<Affine, 4> s = term.tent.slopes;
+  // Missing walls are far away.
+  std::array<Affine, 3> walls{};
   std::array<double, 3> inside{1, 1, 1};
   for (std::size_t i = 0; i < static_cast<std::size_t>(term.tent.wall_count); ++i) {
     walls[i] = term.tent.walls[i];
     inside[i] = 0;
   }
-  const Affine factor = term.has_factor ? term.factor : kHigh;
-  const double plain = term.has_factor ? 0 : 1;
+  const double constant = term.tent.constant;
+  const Affine factor = term.factor;
   const std::array<Affine, 3> w = piece.weights;
-  // Degree 1: a point counts as inside the closed face, so a negative coordinate is the tolerance of a wall.
-  const double lowest = term.tent.slope_count == 0 ? 0 : -1e300;
   double* __restrict out0 = out[0];
   double* __restrict out1 = out[1];
   double* __restrict out2 = out[2];
@@ -295,31 +286,68 @@ bool add_places(const Piece& piece, const PieceTerm& term, const std::array<doub
     const double ux = x[i];
     const double uy = y[i];
     const auto value = [&](const Affine& a) { return a.nx * (ux - a.px) + a.ny * (uy - a.py); };
-    const double v0 = value(s[0]) + high[0];
-    const double v1 = value(s[1]) + high[1];
-    const double v2 = value(s[2]) + high[2];
-    const double v3 = value(s[3]) + high[3];
-    const double a = v1 < v0 ? v1 : v0;
-    const double b = v3 < v2 ? v3 : v2;
-    double v = b < a ? b : a;
+    double v = constant;
+    if constexpr (S > 0) v = value(s[0]);
+    if constexpr (S > 1) v = value(s[1]) < v ? value(s[1]) : v;
+    if constexpr (S > 2) v = value(s[2]) < v ? value(s[2]) : v;
+    if constexpr (S > 3) v = value(s[3]) < v ? value(s[3]) : v;
     v = v > 0 ? v : 0;
-    const double d0 = value(walls[0]) + inside[0];
-    const double d1 = value(walls[1]) + inside[1];
-    const double d2 = value(walls[2]) + inside[2];
-    const double d01 = d1 < d0 ? d1 : d0;
-    const double d = d2 < d01 ? d2 : d01;
-    v = d > 0 ? v : 0;
-    const double distance = d < 0 ? -d : d;
-    nearest = distance < nearest ? distance : nearest;
-    v *= value(factor) + plain;
-    const double w0 = value(w[0]);
-    const double w1 = value(w[1]);
-    const double w2 = value(w[2]);
-    out0[i] += v * (w0 < lowest ? lowest : w0);
-    out1[i] += v * (w1 < lowest ? lowest : w1);
-    out2[i] += v * (w2 < lowest ? lowest : w2);
+    if constexpr (Walls) {
+      const double d0 = value(walls[0]) + inside[0];
+      const double d1 = value(walls[1]) + inside[1];
+      const double d2 = value(walls[2]) + inside[2];
+      const double d01 = d1 < d0 ? d1 : d0;
+      const double d = d2 < d01 ? d2 : d01;
+      v = d > 0 ? v : 0;
+      const double distance = d < 0 ? -d : d;
+      nearest = distance < nearest ? distance : nearest;
+    }
+    if constexpr (Factor) v *= value(factor);
+    double w0 = value(w[0]);
+    double w1 = value(w[1]);
+    double w2 = value(w[2]);
+    if constexpr (S == 0) {
+      // A point counts as inside the closed face, so a negative coordinate is the tolerance of a wall.
+      w0 = w0 < 0 ? 0 : w0;
+      w1 = w1 < 0 ? 0 : w1;
+      w2 = w2 < 0 ? 0 : w2;
+    }
+    out0[i] += v * w0;
+    out1[i] += v * w1;
+    out2[i] += v * w2;
   }
   return nearest <= kOnWall;
+}
+
+template <bool Walls, bool Factor>
+[[gnu::always_inline]] inline bool places_by_slopes(const Piece& piece, const PieceTerm& term,
+                                                    const std::array<double*, 3>& out, const double* x,
+                                                    const double* y, std::int32_t n) {
+  switch (term.tent.slope_count) {
+    case 0:
+      return places_loop<0, Walls, Factor>(piece, term, out, x, y, n);
+    case 1:
+      return places_loop<1, Walls, Factor>(piece, term, out, x, y, n);
+    case 2:
+      return places_loop<2, Walls, Factor>(piece, term, out, x, y, n);
+    case 3:
+      return places_loop<3, Walls, Factor>(piece, term, out, x, y, n);
+    default:
+      return places_loop<4, Walls, Factor>(piece, term, out, x, y, n);
+  }
+}
+
+/// Values of one term at n places with its three weights; the sign of a place exactly on a wall is left open.
+/// @return whether there was such a place.
+KNOTREEL_MULTIVERSION
+bool add_places(const Piece& piece, const PieceTerm& term, const std::array<double*, 3>& out, const double* x,
+                const double* y, std::int32_t n) {
+  if (term.tent.wall_count > 0) {
+    return term.has_factor ? places_by_slopes<true, true>(piece, term, out, x, y, n)
+                           : places_by_slopes<true, false>(piece, term, out, x, y, n);
+  }
+  return term.has_factor ? places_by_slopes<false, true>(piece, term, out, x, y, n)
+                         : places_by_slopes<false, false>(piece, term, out, x, y, n);
 }
 
 /// The same with places on walls on their proper sides, one by one.
@@ -370,7 +398,10 @@ void add_rows(const PieceSet& set, const Reaches& reaches, const Grid& grid, con
           out[v] = result.values.data() + row.offset + (reach.begin - row.x_begin);
         }
         const PieceTerm& term = set.terms[t];
-        if (reaches.slack[t] > 0) {
+        // Near moved pixels there are rows of pixels that are not; only their columns at walls would not do.
+        const bool moved =
+            reaches.slack[t] > 0 && (term.tent.wall_count > 0 || places.moved(y, reach.begin, reach.end));
+        if (moved) {
           add_moved_row(piece, term, out, grid, places.x(y) + reach.begin, places.y(y) + reach.begin,
                         reach.end - reach.begin);
         } else {
@@ -381,6 +412,25 @@ void add_rows(const PieceSet& set, const Reaches& reaches, const Grid& grid, con
       }
     }
   }
+}
+
+/// The pieces of the wanted functions only.
+PieceSet pieces_of(const PieceSet& set, std::span<const std::uint8_t> wanted) {
+  PieceSet some;
+  for (Piece piece : set.pieces) {
+    bool any = false;
+    for (FunctionIndex& f : piece.functions) {
+      if (f != kNoFunction && !wanted[f]) f = kNoFunction;
+      any = any || f != kNoFunction;
+    }
+    if (!any) continue;
+    const auto terms = std::span(set.terms).subspan(piece.term_begin, piece.term_end - piece.term_begin);
+    piece.term_begin = static_cast<std::uint32_t>(some.terms.size());
+    some.terms.insert(some.terms.end(), terms.begin(), terms.end());
+    piece.term_end = static_cast<std::uint32_t>(some.terms.size());
+    some.pieces.push_back(piece);
+  }
+  return some;
 }
 
 }  // namespace
@@ -394,18 +444,20 @@ GridValues Basis::evaluate_grid_rows(int columns, int rows, int row_begin, int r
 }
 
 GridValues Basis::evaluate_pixels(int columns, int rows, std::span<const Vec2> places, int row_begin,
-                                  int row_end) const {
+                                  int row_end, std::span<const std::uint8_t> wanted) const {
+  const PieceSet some = wanted.empty() ? PieceSet{} : pieces_of(pieces_, wanted);
+  const PieceSet& pieces = wanted.empty() ? pieces_ : some;
   const Grid grid(*space_, columns, rows, row_begin, row_end);
   const Places moved(columns, rows, space_->mesh().width / columns, space_->mesh().height / rows, places);
-  const Reaches reaches = find_reaches(pieces_, grid, moved);
-  GridValues result = lay_out(*space_, pieces_, reaches, columns);
+  const Reaches reaches = find_reaches(pieces, grid, moved);
+  GridValues result = lay_out(*space_, pieces, reaches, columns);
   std::vector<double> x(static_cast<std::size_t>(columns));
   for (std::int32_t c = 0; c < columns; ++c) x[static_cast<std::size_t>(c)] = grid.x(c);
   // Few bands, because each looks at all terms.
   const int band = std::max(16, (row_end - row_begin + 7) / 8);
   parallel_for(static_cast<std::size_t>((row_end - row_begin + band - 1) / band), [&](std::size_t b) {
     const int begin = row_begin + static_cast<int>(b) * band;
-    add_rows(pieces_, reaches, grid, moved, x, begin, std::min(row_end, begin + band), result);
+    add_rows(pieces, reaches, grid, moved, x, begin, std::min(row_end, begin + band), result);
   });
   return result;
 }

@@ -23,15 +23,18 @@ class Places {
     x_.resize(places.size());
     y_.resize(places.size());
     reach_.assign(tile_columns_ * (static_cast<std::size_t>(rows) / kTile + 1), 0);
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      const std::size_t column = i % columns_;
-      const std::size_t row = i / columns_;
-      x_[i] = places[i].x;
-      y_[i] = places[i].y;
-      const double dx = std::abs(x_[i] - (static_cast<double>(column) + 0.5) * cell_width);
-      const double dy = std::abs(y_[i] - (static_cast<double>(row) + 0.5) * cell_height);
-      double& reach = reach_[row / kTile * tile_columns_ + column / kTile];
-      reach = std::max({reach, dx, dy});
+    for (std::size_t row = 0; row < static_cast<std::size_t>(rows); ++row) {
+      double* tiles = reach_.data() + row / kTile * tile_columns_;
+      const double centre_y = (static_cast<double>(row) + 0.5) * cell_height;
+      for (std::size_t column = 0; column < columns_; ++column) {
+        const std::size_t i = row * columns_ + column;
+        x_[i] = places[i].x;
+        y_[i] = places[i].y;
+        const double dx = std::abs(x_[i] - (static_cast<double>(column) + 0.5) * cell_width);
+        const double dy = std::abs(y_[i] - centre_y);
+        double& reach = tiles[column / kTile];
+        reach = std::max({reach, dx, dy});
+      }
     }
     widest_ = *std::max_element(reach_.begin(), reach_.end());
   }
@@ -39,6 +42,14 @@ class Places {
   /// Places of a row of pixels.
   const double* x(std::int32_t row) const { return x_.data() + static_cast<std::size_t>(row) * columns_; }
   const double* y(std::int32_t row) const { return y_.data() + static_cast<std::size_t>(row) * columns_; }
+
+  /// Whether some pixel near those of the columns [begin, end) of a row is not at its centre.
+  bool moved(std::int32_t row, std::int32_t begin, std::int32_t end) const {
+    if (widest_ == 0 || begin >= end) return false;
+    const double* tiles = reach_.data() + static_cast<std::size_t>(row) / kTile * tile_columns_;
+    return std::any_of(tiles + static_cast<std::size_t>(begin) / kTile,
+                       tiles + static_cast<std::size_t>(end - 1) / kTile + 1, [](double r) { return r > 0; });
+  }
 
   /// Largest distance by coordinate of a pixel from its place, for the pixels that may lie in a box.
   double reach(Vec2 low, Vec2 high) const {

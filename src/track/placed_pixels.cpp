@@ -21,17 +21,20 @@ Vec2 centre_of(std::size_t pixel, int width) {
 /// The displacement at the pixel centres, for looking up anywhere.
 class DisplacementGrid {
  public:
-  DisplacementGrid(const fit::PixelValues& centres, std::span<const Vec2> displacement)
-      : width_(centres.width()), height_(centres.height()) {
-    const spline::SplineSpace& space = centres.basis().space();
+  DisplacementGrid(const spline::Basis& basis, std::span<const Vec2> displacement, int width, int height)
+      : width_(width), height_(height) {
+    const spline::SplineSpace& space = basis.space();
     std::vector<double> control;
     control.reserve(2 * space.function_count());
+    std::vector<std::uint8_t> displaced;  // few: those near features
+    displaced.reserve(space.function_count());
     for (const std::uint32_t g : space.geometry_of()) {
       control.push_back(displacement[g].x);
       control.push_back(displacement[g].y);
+      displaced.push_back(displacement[g] != Vec2{});
     }
     offsets_.resize(2 * std::size_t(width_) * std::size_t(height_));
-    fit::surface_at_pixels(centres, control, 2, offsets_);
+    fit::surface_at_pixels(fit::PixelValues(basis, width, height, {}, displaced), control, 2, offsets_);
   }
 
   bool zero(std::size_t pixel) const { return offsets_[2 * pixel] == 0 && offsets_[2 * pixel + 1] == 0; }
@@ -64,12 +67,12 @@ class DisplacementGrid {
 /// Places of the pixels but for a few hundredths of a pixel next to features, where the displacement bends.
 std::vector<Vec2> rough_places(const spline::Basis& basis, std::span<const Vec2> displacement, int width,
                                int height) {
-  const fit::PixelValues centres(basis, width, height, {});
-  const DisplacementGrid grid(centres, displacement);
+  const DisplacementGrid grid(basis, displacement, width, height);
   std::vector<Vec2> places(std::size_t(width) * std::size_t(height));
   parallel_for(static_cast<std::size_t>(height), [&](std::size_t y) {
-    for (std::size_t i = y * std::size_t(width); i < (y + 1) * std::size_t(width); ++i) {
-      const Vec2 centre = centre_of(i, width);
+    for (std::size_t x = 0; x < std::size_t(width); ++x) {
+      const std::size_t i = y * std::size_t(width) + x;
+      const Vec2 centre{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5};
       places[i] = centre;
       if (grid.zero(i)) continue;
       for (int step = 0; step < kSteps; ++step) places[i] = centre - grid.at(places[i]);
@@ -82,21 +85,23 @@ std::vector<Vec2> rough_places(const spline::Basis& basis, std::span<const Vec2>
 /// Another step of the iteration, with the geometry itself, for pixels on features and next to them.
 void correct_near(const std::vector<std::uint8_t>& crossed, const spline::Basis& basis,
                   std::span<const Vec2> displacement, int width, int height, std::vector<Vec2>& places) {
+  std::vector<std::uint8_t> beside(crossed.size(), 0);
+  for (std::size_t i = 0; i < crossed.size(); ++i) {
+    if (!crossed[i]) continue;
+    const int x = static_cast<int>(i % std::size_t(width));
+    const int y = static_cast<int>(i / std::size_t(width));
+    for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v) {
+      for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u) {
+        beside[std::size_t(v) * std::size_t(width) + std::size_t(u)] = 1;
+      }
+    }
+  }
   std::vector<std::size_t> near;
   std::vector<Vec2> before;
-  for (int y = 0; y < height; ++y) {
-    for (int x = 0; x < width; ++x) {
-      bool any = false;
-      for (int v = std::max(0, y - 1); v <= std::min(height - 1, y + 1); ++v) {
-        for (int u = std::max(0, x - 1); u <= std::min(width - 1, x + 1); ++u) {
-          any = any || crossed[std::size_t(v) * std::size_t(width) + std::size_t(u)];
-        }
-      }
-      const std::size_t i = std::size_t(y) * std::size_t(width) + std::size_t(x);
-      if (!any) continue;
-      near.push_back(i);
-      before.push_back(places[i]);
-    }
+  for (std::size_t i = 0; i < beside.size(); ++i) {
+    if (!beside[i]) continue;
+    near.push_back(i);
+    before.push_back(places[i]);
   }
   const std::vector<Vec2> after = fit::image_points(basis, displacement, before);
   for (std::size_t k = 0; k < near.size(); ++k) {

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "fit/fit_cases.h"
+#include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "support/pictures.h"
 
@@ -144,6 +145,22 @@ TEST_P(Gradient, TheNumberOfThreadsDoesNotMatter) {
     gradients[i] = knot_gradient(basis_, pixels(), fit);
   }
   EXPECT_EQ(gradients[0], gradients[1]);
+}
+
+TEST_P(Gradient, OfSomeKnotsIsThatOfAllForThem) {
+  const ColourFit fit = fit_colours(basis_, pixels());
+  const std::vector<Vec2> all = knot_gradient(basis_, pixels(), fit);
+  std::vector<std::uint8_t> wanted(all.size());
+  for (KnotIndex k = 0; k < all.size(); ++k) wanted[k] = k % 5 == 0;
+  const std::vector<Vec2> some = knot_gradient(basis_, pixels(), fit, wanted);
+  ASSERT_EQ(some.size(), all.size());
+  for (KnotIndex k = 0; k < all.size(); ++k) EXPECT_EQ(some[k], wanted[k] ? all[k] : Vec2{}) << "knot " << k;
+}
+
+TEST_P(Gradient, NeedsOneFlagPerKnot) {
+  const ColourFit fit = fit_colours(basis_, pixels());
+  const std::vector<std::uint8_t> wanted(space_->mesh().knots.size() - 1, 1);
+  EXPECT_THROW(knot_gradient(basis_, pixels(), fit, wanted), Error);
 }
 
 /// Whatever the picture, a surface that meets it exactly has nothing to gain.

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <cstdint>
+#include <span>
 #include <vector>
 
 #include "knotreel/fit/colour_fit.h"
@@ -12,7 +14,12 @@ namespace knotreel::fit {
 /// Gamma_{k-1} on its own: there the functions are piecewise products of linear ones, whose coefficients are
 /// differenced, so that one pass over the pixels serves all knots. Zero for knots of kind kVertex; for border
 /// and segment knots the component along their line.
-/// @param fit of the same basis and pixels. Parallel; same bits for any number of threads.
-std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit);
+/// @param fit    of the same basis and pixels.
+/// @param wanted one per knot: 0 leaves its gradient zero, and configs without a wanted knot cost nothing; or
+///               none: all knots. The others get the same bits either way.
+/// @throws Error{kInvalidArgument} if `wanted` has another size.
+/// Parallel; same bits for any number of threads.
+std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
+                                std::span<const std::uint8_t> wanted = {});
 
 }  // namespace knotreel::fit

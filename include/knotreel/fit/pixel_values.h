@@ -14,8 +14,10 @@ class PixelValues {
  public:
   /// All arguments must outlive this. The pixels cover the domain; each is a whole number of units wide and
   /// high (1, but for pictures made smaller).
+  /// @param wanted one per function: 0 counts as zero everywhere, and costs nothing; or none: all.
   /// @throws Error{kInvalidArgument} if domain and picture do not fit.
-  PixelValues(const spline::Basis& basis, int width, int height, std::span<const Vec2> places);
+  PixelValues(const spline::Basis& basis, int width, int height, std::span<const Vec2> places,
+              std::span<const std::uint8_t> wanted = {});
 
   const spline::Basis& basis() const { return *basis_; }
   int width() const { return width_; }
@@ -41,6 +43,7 @@ class PixelValues {
   int width_;
   int height_;
   std::span<const Vec2> places_;
+  std::span<const std::uint8_t> wanted_;
   int band_rows_;
   std::vector<spline::GridValues> kept_;
 };

@@ -110,8 +110,9 @@ class Basis {
   /// The same for pixels with places of their own: places[row * columns + column] is where that pixel lies in
   /// the domain, on the side of a feature on which it is. Fast where that is the centre of the pixel.
   /// @param places columns * rows points, or none: all at the centres.
-  GridValues evaluate_pixels(int columns, int rows, std::span<const Vec2> places, int row_begin,
-                             int row_end) const;
+  /// @param wanted one per function: 0 leaves it without rows; or none: all. Time goes with those wanted.
+  GridValues evaluate_pixels(int columns, int rows, std::span<const Vec2> places, int row_begin, int row_end,
+                             std::span<const std::uint8_t> wanted = {}) const;
 
  private:
   std::shared_ptr<const SplineSpace> space_;
