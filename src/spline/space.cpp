@@ -246,7 +246,8 @@ void for_each_link(const SplineSpace& space, const LinkVisitor& visit) {
   for (int level = 0; level + 1 < space.degree(); ++level) {
     const std::vector<LinkLoop> loops = level_loops(space.cut(), family, level);
     std::span<const std::uint16_t> of_level = codes;
-    for (const LinkPolygon& polygon : Polygons(space, loops, level).all()) {
+    const Polygons polygons(space, loops, level);
+    for (const LinkPolygon& polygon : polygons.all()) {
       triangles.clear();
       const std::size_t used = decode_triangulation(polygon.corners.size(), codes, triangles).value();
       visit(polygon, codes.first(used), triangles);
