@@ -1,11 +1,13 @@
 #include "document/canonical.h"
 
 #include <algorithm>
-#include <map>
+#include <numeric>
 
 #include "document/bytes.h"
+#include "document/edge_table.h"
 #include "knotreel/base/error.h"
 #include "knotreel/spline/link.h"
+#include "spline/named_links.h"
 
 namespace knotreel::document {
 
@@ -15,20 +17,15 @@ using spline::FunctionIndex;
 namespace {
 
 /// The border in positive order, from the top left corner on.
-std::vector<KnotIndex> border_loop(const mesh::KnotMesh& mesh) {
-  using Edge = std::pair<KnotIndex, KnotIndex>;
-  std::vector<Edge> edges;
-  edges.reserve(3 * mesh.faces.size());
-  for (const Face& f : mesh.faces) {
-    for (std::size_t i = 0; i < 3; ++i) edges.emplace_back(f[i], f[(i + 1) % 3]);
-  }
-  std::sort(edges.begin(), edges.end());
+std::vector<KnotIndex> border_loop(const mesh::KnotMesh& mesh, const EdgeTable& edges) {
   std::vector<KnotIndex> next(mesh.knots.size(), kNoKnot);
   KnotIndex start = kNoKnot;
-  for (const auto& [a, b] : edges) {
-    if (std::binary_search(edges.begin(), edges.end(), Edge{b, a})) continue;
-    next[a] = b;
-    if (mesh.knots[a].position == Vec2{0, 0}) start = a;
+  for (KnotIndex a = 0; a < mesh.knots.size(); ++a) {
+    for (const EdgeTable::Side& side : edges.from(a)) {
+      if (edges.find(side.to, a)) continue;
+      next[a] = side.to;
+      if (mesh.knots[a].position == Vec2{0, 0}) start = a;
+    }
   }
   if (start == kNoKnot) malformed("the mesh has no top left corner");
   std::vector<KnotIndex> loop;
@@ -59,53 +56,13 @@ bool same_numbering(const mesh::KnotMesh& given, const CanonicalMesh& numbering)
                     [](const auto& x, const auto& y) { return x.knots == y.knots; });
 }
 
-/// Polygon with the vertex of its link in front, in canonical corners: what names a link.
-using LinkName = std::vector<CornerIndex>;
-
-LinkName link_name(const spline::LinkPolygon& polygon, const std::vector<CornerIndex>* to_canonical) {
-  const auto map = [&](CornerIndex c) { return to_canonical ? (*to_canonical)[c] : c; };
-  LinkName name;
-  for (const CornerIndex c : polygon.vertex) name.push_back(map(c));
-  std::sort(name.begin(), name.end());
-  const auto begin = static_cast<std::ptrdiff_t>(name.size());
-  for (const CornerIndex c : polygon.corners) name.push_back(map(c));
-  std::rotate(name.begin() + begin, std::min_element(name.begin() + begin, name.end()), name.end());
-  return name;
-}
-
-using Triangles = std::vector<spline::PolygonTriangle>;
-
-/// The triangulations of all links of a space, by canonical name; places count from the start of the name's
-/// polygon.
-std::map<LinkName, Triangles> recorded_links(const spline::SplineSpace& given,
-                                             const std::vector<CornerIndex>& to_canonical) {
-  std::map<LinkName, Triangles> links;
-  std::span<const std::uint16_t> codes = given.link_codes();
-  spline::SplineSpace(given.mesh(), given.degree(), [&](const spline::LinkPolygon& polygon, auto& out) {
-    const std::size_t n = polygon.corners.size();
-    Triangles triangles;
-    const std::size_t used = spline::decode_triangulation(n, codes, triangles).value();
-    out.insert(out.end(), codes.begin(), codes.begin() + static_cast<std::ptrdiff_t>(used));
-    codes = codes.subspan(used);
-    const LinkName name = link_name(polygon, &to_canonical);
-    const auto first = std::find(name.begin() + static_cast<std::ptrdiff_t>(polygon.vertex.size()),
-                                 name.end(), to_canonical[polygon.corners[0]]);
-    const auto turn =
-        static_cast<std::uint32_t>(first - name.begin() - static_cast<std::ptrdiff_t>(polygon.vertex.size()));
-    for (auto& t : triangles) {
-      for (std::uint32_t& place : t) place = (place + turn) % static_cast<std::uint32_t>(n);
-    }
-    links.emplace(name, std::move(triangles));
-  });
-  return links;
-}
-
 }  // namespace
 
 CanonicalMesh canonical_mesh(const mesh::KnotMesh& mesh) {
   CanonicalMesh result;
-  const std::vector<KnotIndex> border = border_loop(mesh);
-  Conquered conquered = conquer(mesh.knots.size(), mesh.faces, border);
+  const EdgeTable edges(mesh.knots.size(), mesh.faces);
+  const std::vector<KnotIndex> border = border_loop(mesh, edges);
+  Conquered conquered = conquer(edges, border);
   result.conquest = std::move(conquered.conquest);
   result.knot_of = std::move(conquered.knot_of);
   result.face_of = std::move(conquered.face_of);
@@ -153,15 +110,16 @@ std::shared_ptr<const spline::SplineSpace> canonical_space(const spline::SplineS
     return std::make_shared<spline::SplineSpace>(
         spline::SplineSpace::from_link_codes(std::move(mesh), given.degree(), given.link_codes()));
   }
-  const auto to_canonical = corner_map(given.cut(), mesh::cut_open(mesh), numbering);
-  const auto links = recorded_links(given, to_canonical);
+  const mesh::CutMesh cut = mesh::cut_open(mesh);
+  const spline::NamedLinks links(given, corner_map(given.cut(), cut, numbering));
+  std::vector<CornerIndex> own_names(cut.corners.size());
+  std::iota(own_names.begin(), own_names.end(), 0u);
   return std::make_shared<spline::SplineSpace>(
       std::move(mesh), given.degree(), [&](const spline::LinkPolygon& polygon, auto& codes) {
-        const auto link = links.find(link_name(polygon, nullptr));
+        auto triangles = links.find(polygon, own_names);
         // At degree 3, the link of two multiple corners can depend on the numbering: choose anew.
-        spline::encode_triangulation(
-            polygon.corners.size(),
-            link != links.end() ? link->second : spline::triangulate_polygon(polygon.positions), codes);
+        if (triangles.empty()) triangles = spline::triangulate_polygon(polygon.positions);
+        spline::encode_triangulation(polygon.corners.size(), triangles, codes);
       });
 }
 

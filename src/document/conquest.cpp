@@ -4,7 +4,6 @@
 #include <limits>
 
 #include "document/bytes.h"
-#include "document/edge_table.h"
 
 namespace knotreel::document {
 Loops::Loops(std::size_t border_count) {
@@ -87,12 +86,13 @@ std::uint64_t Loops::split_code(KnotIndex x) const {
   malformed("the mesh is not a disk");
 }
 
-Conquered conquer(std::size_t knot_count, const std::vector<Face>& faces,
-                  const std::vector<KnotIndex>& border) {
-  const EdgeTable edges(knot_count, faces);
+Conquered conquer(const EdgeTable& edges, const std::vector<KnotIndex>& border) {
+  const std::size_t knot_count = edges.knot_count();
+  const std::size_t face_count = edges.face_count();
   Conquered result;
   Conquest& out = result.conquest;
-  out.faces.reserve(faces.size());
+  out.faces.reserve(face_count);
+  result.face_of.reserve(face_count);
   result.knot_of = border;
   std::vector<KnotIndex> canonical(knot_count, kNoKnot);
   for (std::uint32_t i = 0; i < border.size(); ++i) canonical[border[i]] = i;
@@ -102,7 +102,7 @@ Conquered conquer(std::size_t knot_count, const std::vector<Face>& faces,
     const KnotIndex a = loops.a();
     const KnotIndex b = loops.b();
     const EdgeTable::Side* side = edges.find(result.knot_of[a], result.knot_of[b]);
-    if (!side || out.faces.size() == faces.size()) malformed("the mesh is not a disk");
+    if (!side || out.faces.size() == face_count) malformed("the mesh is not a disk");
     KnotIndex x = canonical[side->apex];
     if (x == kNoKnot) {
       x = canonical[side->apex] = static_cast<KnotIndex>(result.knot_of.size());
@@ -119,7 +119,7 @@ Conquered conquer(std::size_t knot_count, const std::vector<Face>& faces,
     out.faces.push_back({a, b, x});
     result.face_of.push_back(side->face);
   }
-  if (out.faces.size() != faces.size() || result.knot_of.size() != knot_count)
+  if (out.faces.size() != face_count || result.knot_of.size() != knot_count)
     malformed("the mesh is not a disk");
   return result;
 }

@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "document/edge_table.h"
 #include "knotreel/mesh/knot_mesh.h"
 
 /// Connectivity of a knot mesh as a short string of symbols (docs/format.md, "Connectivity"): the border loop
@@ -48,10 +49,9 @@ struct Conquered {
   std::vector<std::uint32_t> face_of;  ///< canonical -> given index
 };
 
-/// @param border  the border loop in given indices. @throws Malformed if the mesh is not a disk with that
-/// border.
-Conquered conquer(std::size_t knot_count, const std::vector<Face>& faces,
-                  const std::vector<KnotIndex>& border);
+/// @param edges  of the mesh. @param border  the border loop in given indices.
+/// @throws Malformed if the mesh is not a disk with that border.
+Conquered conquer(const EdgeTable& edges, const std::vector<KnotIndex>& border);
 
 /// The loops that are still open, as linked nodes; shared by both directions.
 class Loops {

@@ -39,6 +39,9 @@ class EdgeTable {
     }
   }
 
+  std::size_t knot_count() const { return begin_.size() - 1; }
+  std::size_t face_count() const { return sides_.size() / 3; }
+
   /// Edges out of a knot, by their other end.
   std::span<const Side> from(mesh::KnotIndex k) const {
     return std::span(sides_).subspan(begin_[k], begin_[k + 1] - begin_[k]);

@@ -91,8 +91,7 @@ void require_fitting(const FrameModel& model, const Format& format) {
           "it has too few or too many control colours");
 }
 
-}  // namespace
-
+/// Function ids of a state whose space is set: those of matching functions before, new ones for the rest.
 void name_functions(FrameState& state, const FrameState* before, const std::vector<std::uint32_t>& matches) {
   state.next_function_id = before ? before->next_function_id : 0;
   state.function_ids.resize(state.space->function_count());
@@ -101,6 +100,8 @@ void name_functions(FrameState& state, const FrameState* before, const std::vect
     state.function_ids[f] = old ? before->function_ids[matches[f]] : state.next_function_id++;
   }
 }
+
+}  // namespace
 
 FrameState to_state(const FrameModel& model, const FrameState* before, const Format& format,
                     const QuantiseOptions& options) {
@@ -125,7 +126,6 @@ FrameState to_state(const FrameModel& model, const FrameState* before, const For
   } catch (const Malformed& e) {
     throw Error(ErrorKind::kInvalidArgument, std::string("cannot store a frame: ") + e.what());
   }
-  name_functions(state, before, match(state, before, !before || !same_topology(state, *before)).functions);
   return state;
 }
 
@@ -144,6 +144,8 @@ std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before,
   if (nothing) {
     state.colour_unit = before->colour_unit;
     state.models = before->models;
+    state.function_ids = before->function_ids;
+    state.next_function_id = before->next_function_id;
     return out.take();
   }
   out.u8(static_cast<std::uint8_t>(state.grid.bits));
@@ -152,6 +154,7 @@ std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before,
   ArithmeticWriter coder;
   FrameModels models = before ? before->models : FrameModels{};
   const Matches matches = match(state, before, store_topology);
+  name_functions(state, before, matches.functions);
   if (store_topology) {
     write_topology({mesh, state.discoveries, state.border_count, state.domain_corners, matches.knots}, before,
                    models.topology, coder);

@@ -26,17 +26,14 @@ struct QuantiseOptions {
   bool rename_knots = false;
 };
 
-/// Brings a model into the form of the file.
+/// Brings a model into the form of the file, but for what encode_frame() sets.
 /// @param before  null makes a keyframe.
 /// @throws Error{kInvalidArgument} for a model that cannot be stored.
 FrameState to_state(const FrameModel& model, const FrameState* before, const Format& format,
                     const QuantiseOptions& options);
 
-/// Function ids of a state whose space is set: those of matching functions before, new ones for the rest.
-void name_functions(FrameState& state, const FrameState* before, const std::vector<std::uint32_t>& matches);
-
 /// @param before  as given to to_state.
-/// @param state   its models are set; else it is not changed.
+/// @param state   its models and the ids of its functions are set; else it is not changed.
 std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before, const Format& format);
 
 FramePrefix read_prefix(std::span<const std::byte> payload);

@@ -13,10 +13,11 @@ using mesh::CornerIndex;
 /// Triangles of the links of the frame before, in corners of this one.
 class LinksBefore {
  public:
-  LinksBefore(const mesh::KnotMesh& mesh, const FrameState* before) {
-    if (!before) return;
-    space_ = before->space.get();
-    before_of_ = match_corners(mesh, mesh::cut_open(mesh), before->mesh(), space_->cut());
+  /// None: nothing is expected.
+  LinksBefore() = default;
+  LinksBefore(const mesh::KnotMesh& mesh, const mesh::CutMesh& cut, const FrameState& before)
+      : space_(before.space.get()) {
+    before_of_ = match_corners(mesh, cut, before.mesh(), space_->cut());
     now_of_.assign(space_->cut().corners.size(), spline::kNoCorner);
     for (CornerIndex c = 0; c < before_of_.size(); ++c) {
       if (before_of_[c] != kNoMatch) now_of_[before_of_[c]] = c;
@@ -68,24 +69,26 @@ class LinkCoding {
   LinkCoding(Coder& coder, LinkModels& models, LinksBefore before)
       : coder_(coder), models_(models), before_(std::move(before)) {}
 
-  /// @param given  for a writer, the codes from this polygon on; @return how many belong to it.
-  std::size_t code(const spline::LinkPolygon& polygon, std::span<const std::uint16_t> given,
-                   std::vector<std::uint16_t>& codes) {
+  /// @param given  for a writer, the codes of the polygon. @param codes  they are appended.
+  void code(const spline::LinkPolygon& polygon, std::span<const std::uint16_t> given,
+            std::vector<std::uint16_t>& codes) {
     before_.look_at(polygon.vertex);
     const auto ring = polygon.corners;
     open_.assign({{0, ring.size() - 1}});
-    std::size_t count = 0;
     while (!open_.empty()) {
       const auto [i, j] = open_.back();
       open_.pop_back();
       if (j - i <= 2) continue;
-      const std::size_t code = apex(ring, i, j, Coder::kWriting ? given[count] : 0);
-      ++count;
+      std::size_t code = 0;
+      if constexpr (Coder::kWriting) {
+        code = given.front();
+        given = given.subspan(1);
+      }
+      code = apex(ring, i, j, code);
       codes.push_back(static_cast<std::uint16_t>(code));
       open_.emplace_back(i + 1 + code, j);
       open_.emplace_back(i, i + 1 + code);
     }
-    return count;
   }
 
  private:
@@ -116,18 +119,19 @@ class LinkCoding {
 void write_links(const spline::SplineSpace& space, const FrameState* before, LinkModels& models,
                  ArithmeticWriter& out) {
   if (space.degree() == 1) return;
-  LinkCoding coding(out, models, LinksBefore(space.mesh(), before));
-  std::span<const std::uint16_t> given = space.link_codes();
-  // Built once more for the sake of its polygons, which a space does not keep.
-  spline::SplineSpace(space.mesh(), space.degree(), [&](const spline::LinkPolygon& polygon, auto& codes) {
-    given = given.subspan(coding.code(polygon, given, codes));
-  });
+  LinkCoding coding(out, models, before ? LinksBefore(space.mesh(), space.cut(), *before) : LinksBefore());
+  std::vector<std::uint16_t> coded;
+  spline::for_each_link(space,
+                        [&](const spline::LinkPolygon& polygon, std::span<const std::uint16_t> codes, auto) {
+                          coded.clear();
+                          coding.code(polygon, codes, coded);
+                        });
 }
 
 std::shared_ptr<const spline::SplineSpace> read_space(mesh::KnotMesh mesh, int degree,
                                                       const FrameState* before, LinkModels& models,
                                                       ArithmeticReader& in) {
-  LinkCoding coding(in, models, LinksBefore(mesh, before));
+  LinkCoding coding(in, models, before ? LinksBefore(mesh, mesh::cut_open(mesh), *before) : LinksBefore());
   return std::make_shared<spline::SplineSpace>(
       std::move(mesh), degree,
       [&](const spline::LinkPolygon& polygon, auto& codes) { coding.code(polygon, {}, codes); });

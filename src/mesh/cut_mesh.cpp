@@ -12,9 +12,11 @@ namespace {
 /// Walks around knots of one mesh, with the feature edges as walls.
 class SectorWalk {
  public:
-  SectorWalk(const KnotMesh& mesh, HalfEdges half_edges) : mesh_(mesh), half_edges_(std::move(half_edges)) {
+  /// @param order as from sorted_half_edges().
+  SectorWalk(const KnotMesh& mesh, HalfEdges half_edges, const std::vector<std::uint32_t>& order)
+      : mesh_(mesh), half_edges_(std::move(half_edges)) {
     line_.assign(half_edges_.opposite.size(), kNoLine);
-    mark_segments();
+    mark_segments(order);
     mark_sides();
   }
 
@@ -32,8 +34,7 @@ class SectorWalk {
   std::uint32_t line(std::uint32_t h) const { return line_[h]; }
 
  private:
-  void mark_segments() {
-    const std::vector<std::uint32_t> order = sorted_half_edges(mesh_.faces);
+  void mark_segments(const std::vector<std::uint32_t>& order) {
     const auto less = [&](std::uint32_t h, std::pair<KnotIndex, KnotIndex> key) {
       return std::minmax({origin(mesh_.faces, h), target(mesh_.faces, h)}) < key;
     };
@@ -82,9 +83,10 @@ std::vector<Line> cut_lines(const KnotMesh& mesh) {
 }  // namespace
 
 CutMesh cut_open(const KnotMesh& mesh) {
-  auto half_edges = connect_half_edges(mesh.faces);
+  const std::vector<std::uint32_t> order = sorted_half_edges(mesh.faces);
+  auto half_edges = connect_half_edges(mesh.faces, order);
   if (!half_edges) throw Error(ErrorKind::kInvalidArgument, "cannot cut the mesh: its faces do not join");
-  const SectorWalk walk(mesh, std::move(*half_edges));
+  const SectorWalk walk(mesh, std::move(*half_edges), order);
   const std::size_t half_edge_count = 3 * mesh.faces.size();
 
   // Half edges by origin, in face order.

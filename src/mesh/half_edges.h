@@ -29,7 +29,10 @@ inline KnotIndex target(const std::vector<Face>& faces, std::uint32_t h) {
 /// All half edges, sorted by (smaller, larger) knot: the two halves of an edge are neighbours.
 std::vector<std::uint32_t> sorted_half_edges(const std::vector<Face>& faces);
 
+/// @param order as from sorted_half_edges().
 /// @return nothing if an edge has more than two faces or two faces disagree about its direction.
+std::optional<HalfEdges> connect_half_edges(const std::vector<Face>& faces,
+                                            const std::vector<std::uint32_t>& order);
 std::optional<HalfEdges> connect_half_edges(const std::vector<Face>& faces);
 
 }  // namespace knotreel::mesh

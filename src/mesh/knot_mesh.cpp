@@ -114,18 +114,18 @@ Defect find_surface_defect(const KnotMesh& mesh, const HalfEdges& half_edges) {
 std::optional<std::uint32_t> find_half_edge(const KnotMesh& mesh, const std::vector<std::uint32_t>& order,
                                             KnotIndex a, KnotIndex b) {
   using Edge = std::pair<KnotIndex, KnotIndex>;
-  const auto edge = [&](std::uint32_t h) -> Edge {
-    return std::minmax({origin(mesh.faces, h), target(mesh.faces, h)});
-  };
-  const Edge wanted = std::minmax({a, b});
+  const auto ascending = [](KnotIndex x, KnotIndex y) { return x < y ? Edge{x, y} : Edge{y, x}; };
+  const auto edge = [&](std::uint32_t h) { return ascending(origin(mesh.faces, h), target(mesh.faces, h)); };
+  const Edge wanted = ascending(a, b);
   const auto it = std::lower_bound(order.begin(), order.end(), wanted,
                                    [&](std::uint32_t h, const Edge& key) { return edge(h) < key; });
   if (it == order.end() || edge(*it) != wanted) return std::nullopt;
   return *it;
 }
 
-Defect find_segment_defect(const KnotMesh& mesh, const HalfEdges& half_edges) {
-  const std::vector<std::uint32_t> order = sorted_half_edges(mesh.faces);
+/// @param order as from sorted_half_edges().
+Defect find_segment_defect(const KnotMesh& mesh, const HalfEdges& half_edges,
+                           const std::vector<std::uint32_t>& order) {
   std::vector<std::uint32_t> ends_at(mesh.knots.size(), 0);
   std::vector<bool> inside(mesh.knots.size(), false);
   std::vector<bool> edge_taken(half_edges.opposite.size(), false);
@@ -224,10 +224,9 @@ Defect find_position_defect(const KnotMesh& mesh) {
 }
 
 /// Every border edge runs along one side of the domain, with the inside on its left.
-Defect find_border_defect(const KnotMesh& mesh) {
-  const auto half_edges = connect_half_edges(mesh.faces);
-  for (std::uint32_t e = 0; e < half_edges->opposite.size(); ++e) {
-    if (half_edges->opposite[e] != kNoHalfEdge) continue;
+Defect find_border_defect(const KnotMesh& mesh, const HalfEdges& half_edges) {
+  for (std::uint32_t e = 0; e < half_edges.opposite.size(); ++e) {
+    if (half_edges.opposite[e] != kNoHalfEdge) continue;
     const Vec2 a = mesh.knots[origin(mesh.faces, e)].position;
     const Vec2 b = mesh.knots[target(mesh.faces, e)].position;
     const bool along =
@@ -264,21 +263,29 @@ Defect find_face_defect(const KnotMesh& mesh) {
   return std::nullopt;
 }
 
+/// @param half_edges of the mesh, set as far as its indices are sound.
+Defect find_topological_defect(const KnotMesh& mesh, std::optional<HalfEdges>& half_edges) {
+  if (Defect d = find_index_defect(mesh)) return d;
+  const std::vector<std::uint32_t> order = sorted_half_edges(mesh.faces);
+  half_edges = connect_half_edges(mesh.faces, order);
+  if (!half_edges) return "an edge has more than two faces, or faces turn different ways";
+  if (Defect d = find_surface_defect(mesh, *half_edges)) return d;
+  return find_segment_defect(mesh, *half_edges, order);
+}
+
 }  // namespace
 
 std::optional<std::string> find_topological_defect(const KnotMesh& mesh) {
-  if (Defect d = find_index_defect(mesh)) return d;
-  const auto half_edges = connect_half_edges(mesh.faces);
-  if (!half_edges) return "an edge has more than two faces, or faces turn different ways";
-  if (Defect d = find_surface_defect(mesh, *half_edges)) return d;
-  return find_segment_defect(mesh, *half_edges);
+  std::optional<HalfEdges> half_edges;
+  return find_topological_defect(mesh, half_edges);
 }
 
 std::optional<std::string> find_defect(const KnotMesh& mesh) {
-  if (Defect d = find_topological_defect(mesh)) return d;
+  std::optional<HalfEdges> half_edges;
+  if (Defect d = find_topological_defect(mesh, half_edges)) return d;
   if (Defect d = find_id_defect(mesh)) return d;
   if (Defect d = find_position_defect(mesh)) return d;
-  if (Defect d = find_border_defect(mesh)) return d;
+  if (Defect d = find_border_defect(mesh, *half_edges)) return d;
   return find_face_defect(mesh);
 }
 

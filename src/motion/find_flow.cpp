@@ -70,6 +70,7 @@ FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& opt
     }
   });
   pair.consistent = consistent(pair.forward, pair.backward);
+  pair.consistent_back = consistent(pair.backward, pair.forward);
   return pair;
 }
 

@@ -80,20 +80,49 @@ void for_each_vertex(std::span<const FamilyConfig> family, int level,
   }
 }
 
-void append_loops(const mesh::CutMesh& cut, LinkVertex& vertex, int level, std::vector<std::uint32_t>& place,
-                  std::vector<LinkLoop>& loops) {
-  const std::span<const CornerIndex> knots(vertex.knots.data(), static_cast<std::size_t>(level) + 1);
+namespace {
+
+/// @param loop of the link of the first `count` corners of J, starting with the smallest corner.
+void append_loop(const mesh::CutMesh& cut, const std::array<CornerIndex, 3>& vertex, std::size_t count,
+                 std::vector<CornerIndex> loop, std::vector<LinkLoop>& loops) {
+  const std::span knots(vertex.data(), count);
   const auto is_copy = [&](CornerIndex c) {
     return cut.corners[c].multiple && std::find(knots.begin(), knots.end(), c) != knots.end();
   };
+  bool fan = loop.size() == 3;
+  if (!fan) {
+    const auto copy = std::find_if(loop.begin(), loop.end(), is_copy);
+    fan = copy != loop.end();
+    if (fan) std::rotate(loop.begin(), copy, loop.end());
+  }
+  loops.push_back({vertex, std::move(loop), fan});
+}
+
+}  // namespace
+
+std::vector<LinkLoop> corner_loops(const mesh::CutMesh& cut) {
+  std::vector<LinkLoop> loops;
+  loops.reserve(cut.corners.size());
+  for (CornerIndex c = 0; c < cut.corners.size(); ++c) {
+    const mesh::Corner& corner = cut.corners[c];
+    const auto fan = cut.fan(c);
+    const bool through_copy = corner.multiple && !corner.closed;
+    if (fan.size() + (through_copy ? 1 : 0) < 3) continue;
+    std::vector<CornerIndex> loop;
+    loop.reserve(fan.size() + 1);
+    loop.assign(fan.begin(), fan.end());
+    if (through_copy) loop.push_back(c);
+    std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
+    append_loop(cut, {c, kNoCorner, kNoCorner}, 1, std::move(loop), loops);
+  }
+  return loops;
+}
+
+void append_loops(const mesh::CutMesh& cut, LinkVertex& vertex, int level, std::vector<std::uint32_t>& place,
+                  std::vector<LinkLoop>& loops) {
+  const std::span<const CornerIndex> knots(vertex.knots.data(), static_cast<std::size_t>(level) + 1);
   for (std::vector<CornerIndex>& loop : link_loops(cut, knots, vertex.edges, place)) {
-    bool fan = loop.size() == 3;
-    if (!fan) {
-      const auto copy = std::find_if(loop.begin(), loop.end(), is_copy);
-      fan = copy != loop.end();
-      if (fan) std::rotate(loop.begin(), copy, loop.end());
-    }
-    loops.push_back({vertex.knots, std::move(loop), fan});
+    append_loop(cut, vertex.knots, knots.size(), std::move(loop), loops);
   }
 }
 

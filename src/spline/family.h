@@ -39,6 +39,10 @@ struct LinkLoop {
   bool fan = false;                   ///< has one triangulation only: a triangle, or around a copy of J
 };
 
+/// The links of the vertices of the level-0 family, by corner: the link of one corner is its fan, closed as
+/// append_loops() would do it.
+std::vector<LinkLoop> corner_loops(const mesh::CutMesh& cut);
+
 /// Appends the loops of the link of one vertex: fans around copies of a multiple corner of J, and polygons
 /// with four or more corners, none of which is in J.
 /// @param place scratch space, see link_loops.

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
-#include <unordered_map>
 #include <utility>
 
 #include "knotreel/base/error.h"
@@ -33,18 +32,28 @@ bool inside(Vec2 p, Vec2 a, Vec2 b, Vec2 c) {
 
 void encode_triangulation(std::size_t n, std::span<const PolygonTriangle> triangles,
                           std::vector<std::uint16_t>& codes) {
-  const auto key = [n](std::uint64_t i, std::uint64_t j) { return i * n + j; };
-  std::unordered_map<std::uint64_t, std::uint32_t> apex;
+  // By the edge between the outer two corners, on which the one in between is the apex.
+  struct Apex {
+    Span edge;
+    std::uint32_t corner;
+  };
+  std::vector<Apex> apexes;
+  apexes.reserve(triangles.size());
   for (PolygonTriangle t : triangles) {
     std::sort(t.begin(), t.end());
-    apex.emplace(key(t[0], t[2]), t[1]);
+    apexes.push_back({{t[0], t[2]}, t[1]});
   }
+  std::sort(apexes.begin(), apexes.end(), [](const Apex& a, const Apex& b) { return a.edge < b.edge; });
   std::vector<Span> open{{0, static_cast<std::uint32_t>(n - 1)}};
   while (!open.empty()) {
     const auto [i, j] = open.back();
     open.pop_back();
     if (j - i <= 2) continue;
-    const std::uint32_t k = apex.at(key(i, j));
+    const Span edge{i, j};
+    const std::uint32_t k =
+        std::lower_bound(apexes.begin(), apexes.end(), edge, [](const Apex& a, const Span& e) {
+          return a.edge < e;
+        })->corner;
     codes.push_back(static_cast<std::uint16_t>(k - i - 1));
     open.push_back({k, j});
     open.push_back({i, k});

@@ -6,8 +6,9 @@ namespace knotreel::spline {
 
 namespace {
 
-bool undirected_less(const DirectedEdge& a, const DirectedEdge& b) {
-  return std::minmax({a[0], a[1]}) < std::minmax({b[0], b[1]});
+/// The same for both directions of an edge.
+std::uint64_t undirected(const DirectedEdge& e) {
+  return (std::uint64_t{std::min(e[0], e[1])} << 32) | std::max(e[0], e[1]);
 }
 
 /// Corners where more chains start than end (balance > 0) or the other way round, with repetition, ascending.
@@ -61,16 +62,17 @@ void close_chains(const mesh::CutMesh& cut, std::span<const CornerIndex> vertex,
 }  // namespace
 
 void cancel_opposite(std::vector<DirectedEdge>& edges) {
-  std::sort(edges.begin(), edges.end(), undirected_less);
+  std::sort(edges.begin(), edges.end(),
+            [](const DirectedEdge& a, const DirectedEdge& b) { return undirected(a) < undirected(b); });
   std::size_t kept = 0;
   for (std::size_t i = 0; i < edges.size();) {
-    std::size_t end = i + 1;
-    std::ptrdiff_t up = edges[i][0] < edges[i][1] ? 1 : -1;
-    while (end < edges.size() && !undirected_less(edges[i], edges[end])) {
-      up += edges[end][0] < edges[end][1] ? 1 : -1;
-      ++end;
+    const CornerIndex lo = std::min(edges[i][0], edges[i][1]);
+    const CornerIndex hi = std::max(edges[i][0], edges[i][1]);
+    std::size_t end = i;
+    std::ptrdiff_t up = 0;
+    for (; end < edges.size() && undirected(edges[end]) == undirected({lo, hi}); ++end) {
+      up += edges[end][0] == lo ? 1 : -1;
     }
-    const auto [lo, hi] = std::minmax({edges[i][0], edges[i][1]});
     for (; up > 0; --up) edges[kept++] = {lo, hi};
     for (; up < 0; ++up) edges[kept++] = {hi, lo};
     i = end;

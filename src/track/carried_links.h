@@ -1,11 +1,8 @@
 #pragma once
 
-#include <map>
-#include <vector>
-
 #include "knotreel/knots/target.h"
-#include "knotreel/spline/link.h"
 #include "knotreel/spline/space.h"
+#include "spline/named_links.h"
 
 namespace knotreel::track {
 
@@ -21,9 +18,7 @@ class LinkMemory {
   spline::SplineSpace space_over(mesh::KnotMesh mesh, int degree, const knots::Target& target) const;
 
  private:
-  using Name =
-      std::vector<std::uint32_t>;  ///< ids: of the vertex of the link, then of the ring from its least
-  std::map<Name, std::vector<spline::PolygonTriangle>> triangles_;
+  spline::NamedLinks links_;
 };
 
 }  // namespace knotreel::track

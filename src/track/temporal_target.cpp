@@ -17,7 +17,6 @@ image::Image temporal_target(const image::Image& picture, std::span<const float>
                              std::span<const float> weights, const Motion& motion, double share) {
   image::Image target = picture;
   if (share <= 0 || residual.size() != picture.samples.size()) return target;
-  const std::vector<std::uint8_t> found = motion::consistent(motion.flow.backward, motion.flow.forward);
   const int width = picture.width;
   const int height = picture.height;
   const auto channels = static_cast<std::size_t>(picture.channels);
@@ -28,7 +27,7 @@ image::Image temporal_target(const image::Image& picture, std::span<const float>
   parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
     for (int x = 0; x < width; ++x) {
       const std::size_t i = at(x, static_cast<int>(row));
-      if (!found[i]) continue;
+      if (!motion.flow.consistent_back[i]) continue;
       float dx = motion.flow.backward.xy[2 * i];
       float dy = motion.flow.backward.xy[2 * i + 1];
       if (std::abs(dx) < kStill && std::abs(dy) < kStill) dx = dy = 0;

@@ -136,6 +136,8 @@ TEST(Consistent, RejectsWhatAPatchCovers) {
   EXPECT_LT(mean_in(112, 120), 0.25);  // covered by the patch
   EXPECT_GT(mean_in(65, 95), 0.95);    // the patch
   EXPECT_GT(mean_in(140, 180), 0.95);  // background far away
+  EXPECT_EQ(pair.consistent, consistent(pair.forward, pair.backward));
+  EXPECT_EQ(pair.consistent_back, consistent(pair.backward, pair.forward));
 }
 
 }  // namespace

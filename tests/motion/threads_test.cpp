@@ -56,6 +56,7 @@ TEST(Threads, TheirNumberDoesNotShow) {
     EXPECT_EQ(one.pair.forward.xy, more.pair.forward.xy);
     EXPECT_EQ(one.pair.backward.xy, more.pair.backward.xy);
     EXPECT_EQ(one.pair.consistent, more.pair.consistent);
+    EXPECT_EQ(one.pair.consistent_back, more.pair.consistent_back);
     EXPECT_EQ(one.motions, more.motions);
     EXPECT_EQ(one.still, more.still);
     EXPECT_EQ(one.warped, more.warped);

@@ -51,14 +51,15 @@ Flow find_flow(const image::Image& from, const image::Image& to, const FlowOptio
 std::vector<std::uint8_t> consistent(const Flow& forward, const Flow& backward, double least = 1.0,
                                      double share = 0.05);
 
-/// Flow there and back, and which pixels of the first picture are found again.
+/// Flow there and back, and which pixels are found again.
 struct FlowPair {
   Flow forward;
   Flow backward;
-  std::vector<std::uint8_t> consistent;
+  std::vector<std::uint8_t> consistent;       ///< of the first picture
+  std::vector<std::uint8_t> consistent_back;  ///< of the second one
 };
 
-/// The three at once, for less than three times the wait: both directions run at the same time.
+/// All of it at once, in less than the time of its parts: both directions run at the same time.
 /// @throws as find_flow().
 FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& options = {});
 

@@ -111,6 +111,13 @@ class SplineSpace {
   std::vector<std::uint16_t> link_codes_;
 };
 
+/// Called with a link, its part of link_codes(), and the triangles that these stand for.
+using LinkVisitor = std::function<void(const LinkPolygon&, std::span<const std::uint16_t> codes,
+                                       std::span<const std::array<std::uint32_t, 3>> triangles)>;
+
+/// Visits all links with more than three corners, in the order of link_codes().
+void for_each_link(const SplineSpace& space, const LinkVisitor& visit);
+
 /// T-configs of degree k for one function: triangles of corners such that B_I = sum area(T) M(u | T + I)
 /// (paper Eq. 3). Not needed to evaluate; for the reference and for `knotreel dump`.
 /// Computed for all functions at once; element f lists the triangles of function f, each in positive order,
