@@ -80,7 +80,7 @@ void BM_Settle(benchmark::State& state) {
   const fit::ColourFit fit = fit::fit_colours(c.basis, pixels);
   Settling settling{SettleOptions{}};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(settling.moves(c.mesh(), fit::knot_gradient(c.basis, pixels, fit)).data());
+    benchmark::DoNotOptimize(settling.moves(c.mesh(), fit::knot_gradient(c.basis, pixels, fit), 0).data());
   }
 }
 

@@ -27,9 +27,11 @@ std::vector<double> shortest_edges(const mesh::KnotMesh& mesh) {
 
 }  // namespace
 
-std::vector<Vec2> Settling::moves(const mesh::KnotMesh& mesh, const std::vector<Vec2>& gradient) {
+std::vector<Vec2> Settling::moves(const mesh::KnotMesh& mesh, const std::vector<Vec2>& gradient,
+                                  double error) {
   const std::vector<double> shortest = shortest_edges(mesh);
   std::unordered_map<std::uint32_t, Step> steps;
+  const double least_gain = options_.least_gain * error / static_cast<double>(gradient.size());
   std::vector<Vec2> result(gradient.size());
   for (std::size_t k = 0; k < gradient.size(); ++k) {
     const double size = norm(gradient[k]);
@@ -43,7 +45,8 @@ std::vector<Vec2> Settling::moves(const mesh::KnotMesh& mesh, const std::vector<
     step.length = std::min(step.length, kLongest * shortest[k]);
     step.direction = direction;
     steps.emplace(id, step);
-    if (step.length >= options_.least) result[k] = step.length * direction;
+    const bool worth_it = size * step.length >= least_gain;
+    if (worth_it && step.length >= options_.least) result[k] = step.length * direction;
   }
   steps_ = std::move(steps);
   return result;

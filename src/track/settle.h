@@ -11,6 +11,8 @@ namespace knotreel::track {
 struct SettleOptions {
   double first_step = 0.1;  ///< of a knot, as a share of its shortest edge
   double least = 0.03;      ///< pixels; a knot whose steps got shorter has settled and rests
+  /// So does one whose step would mend a smaller share of the mean error per knot: it would only flicker.
+  double least_gain = 0.04;
 };
 
 /// Steps of knots against the gradient of the error, one per frame: each grows while its direction stays and
@@ -19,8 +21,9 @@ class Settling {
  public:
   explicit Settling(const SettleOptions& options) : options_(options) {}
 
-  /// @param gradient of the squared error by knot. @return moves by knot, pixels.
-  std::vector<Vec2> moves(const mesh::KnotMesh& mesh, const std::vector<Vec2>& gradient);
+  /// @param gradient of the squared error by knot. @param error the squared error, of the whole picture.
+  /// @return moves by knot, pixels.
+  std::vector<Vec2> moves(const mesh::KnotMesh& mesh, const std::vector<Vec2>& gradient, double error);
 
   void clear() { steps_.clear(); }
 

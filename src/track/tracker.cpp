@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cmath>
 #include <memory>
+#include <numeric>
 #include <unordered_set>
 
 #include "knotreel/base/error.h"
@@ -275,27 +276,28 @@ class Tracker::Impl {
   void prepare_next(const image::Image& picture, bool urgent) {
     next_mesh_ = space_->mesh();
     if (!options_.warm_start) return;
+    const std::vector<float> errors = squared_errors();
     if (options_.settle) {
       std::vector<Vec2> moves =
-          settling_.moves(next_mesh_, fit::knot_gradient(*basis_, seen_.view(), colours_));
+          settling_.moves(next_mesh_, fit::knot_gradient(*basis_, seen_.view(), colours_),
+                          std::accumulate(errors.begin(), errors.end(), 0.0));
       fit::limit_moves(*space_, options_.carry.min_distance, moves);
       for (std::size_t k = 0; k < moves.size(); ++k) {
         next_mesh_.knots[k].position = next_mesh_.knots[k].position + moves[k];
       }
     }
     lap("settle");
-    refill(picture, urgent);
+    refill(picture, errors, urgent);
     lap("refill");
   }
 
   /// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.
-  void refill(const image::Image& picture, bool urgent) {
+  void refill(const image::Image& picture, std::span<const float> errors, bool urgent) {
     if (!target_) target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
     const double functions = static_cast<double>(space_->function_count());
     const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
     const double missing = (static_cast<double>(group_functions_) - functions) / per_knot;
     EditableMesh mesh(next_mesh_, next_id_);
-    const std::vector<float> errors = squared_errors();
     const std::size_t removed =
         remove_idle_knots(mesh, *target_, errors, urgent ? options_.urgent_swap : options_.swap);
     report_->swapped += removed;
