@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <numeric>
 
 #include "base/multiversion.h"
@@ -118,6 +119,9 @@ std::vector<double> weighted_values(const GridValues& grid, std::span<const floa
   return weighted;
 }
 
+/// Four sums side by side: the order of additions is fixed, whatever the vector width.
+using Lanes [[gnu::vector_size(4 * sizeof(double))]] = double;
+
 /// Sum of the products of two functions over all pixels, the second one weighted.
 KNOTREEL_MULTIVERSION
 double product(const GridValues& grid, const double* weighted, FunctionIndex f, FunctionIndex g) {
@@ -125,18 +129,21 @@ double product(const GridValues& grid, const double* weighted, FunctionIndex f, 
   const auto b = grid.rows_of(g);
   const std::int32_t top = std::max(a.front().y, b.front().y);
   const std::int32_t bottom = std::min(a.back().y, b.back().y) + 1;
-  // Four sums side by side: the order is fixed, whatever the vector width.
-  double sums[4] = {};
-  for (std::int32_t y = top; y < bottom; ++y) {
-    const GridValues::Row& p = a[static_cast<std::size_t>(y - a.front().y)];
-    const GridValues::Row& q = b[static_cast<std::size_t>(y - b.front().y)];
-    const std::int32_t from = std::max(p.x_begin, q.x_begin);
-    const std::int32_t n = std::min(p.x_end, q.x_end) - from;
-    const double* __restrict u = grid.values.data() + p.offset + (from - p.x_begin);
-    const double* __restrict v = weighted + q.offset + (from - q.x_begin);
+  const GridValues::Row* p = a.data() + (top - a.front().y);
+  const GridValues::Row* q = b.data() + (top - b.front().y);
+  Lanes sums{};
+  for (std::int32_t y = top; y < bottom; ++y, ++p, ++q) {
+    const std::int32_t from = std::max(p->x_begin, q->x_begin);
+    const std::int32_t to = std::min(p->x_end, q->x_end);
+    const double* u = grid.values.data() + p->offset + (from - p->x_begin);
+    const double* v = weighted + q->offset + (from - q->x_begin);
     // The last block may run into the padding of the row that ends first.
-    for (std::int32_t i = 0; i < n; i += 4) {
-      for (std::int32_t l = 0; l < 4; ++l) sums[l] += u[i + l] * v[i + l];
+    for (std::int32_t x = from; x < to; x += 4, u += 4, v += 4) {
+      Lanes s;
+      Lanes t;
+      std::memcpy(&s, u, sizeof s);
+      std::memcpy(&t, v, sizeof t);
+      sums += s * t;
     }
   }
   return (sums[0] + sums[1]) + (sums[2] + sums[3]);
