@@ -23,7 +23,8 @@ using spline::PieceTerm;
 
 constexpr double kStep = 1e-5;        // pixels, for differences of coefficients
 constexpr std::size_t kBatch = 512;   // pixels that are added at a time
-constexpr int kBandPixels = 1 << 19;  // about 50 MB of running sums
+constexpr int kBandPixels = 1 << 15;  // of running sums: 3 MB, so that they stay in the cache
+constexpr int kBandRows = 32;         // at least: all configs are looked at for each band
 
 /// Two unit directions in which a knot may move; the second is unused for knots on a line.
 struct Directions {
@@ -393,6 +394,16 @@ class MovedRuns {
     return std::span(runs_).subspan(first_[i], first_[i + 1] - first_[i]);
   }
 
+  /// Those that meet some columns.
+  std::span<const Run> row(int y, Run columns) const {
+    const std::span<const Run> all = row(y);
+    const auto from =
+        std::partition_point(all.begin(), all.end(), [&](const Run& r) { return r.end <= columns.begin; });
+    const auto to =
+        std::partition_point(from, all.end(), [&](const Run& r) { return r.begin < columns.end; });
+    return {from, to};
+  }
+
  private:
   std::vector<Run> runs_;
   std::vector<std::size_t> first_;
@@ -437,7 +448,12 @@ class Derivatives {
   /// Adds the pixels of a band of rows to the gradient by the planes of the terms of one config.
   void add_band(std::size_t config, const RunningSums& sums, std::span<ShapeGradient> by_term) const {
     const Piece& piece = basis_.pieces().pieces[config];
-    if (piece.term_begin == piece.term_end || movable_knots(config).count == 0) return;
+    if (piece.term_begin == piece.term_end) return;
+    const PieceTerm& term = basis_.pieces().terms[piece.term_begin];
+    const double slack = places_.widest();
+    if (term.high.y + slack < sums.begin() * cell_height_ || term.low.y - slack > sums.end() * cell_height_)
+      return;
+    if (movable_knots(config).count == 0) return;
     sum_pixels(config, sums, by_term.subspan(piece.term_begin, piece.term_end - piece.term_begin));
   }
 
@@ -563,11 +579,10 @@ class Derivatives {
   void append_row(int y, MovedRuns::Run box, double slack, std::span<const PieceTerm> terms, bool all,
                   Vec2 origin, PixelBatch& batch) const {
     if (!all && slack == 0) return;
-    const std::span<const MovedRuns::Run> runs = all ? std::span(&box, 1) : moved_->row(y);
-    MovedRuns::Run columns{image_.width, 0};
+    const std::span<const MovedRuns::Run> runs = all ? std::span(&box, 1) : moved_->row(y, box);
+    if (runs.empty()) return;
+    const MovedRuns::Run columns = columns_of_any(terms, y, slack);
     for (const MovedRuns::Run& run : runs) {
-      if (run.end <= box.begin || run.begin >= box.end) continue;
-      if (columns.begin >= columns.end) columns = columns_of_any(terms, y, slack);
       const int from = std::max(run.begin, columns.begin);
       const int to = std::min(run.end, columns.end);
       if (from < to) append_run(y, {from, to}, origin, batch);
@@ -652,7 +667,7 @@ std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels
     });
   };
   std::vector<ShapeGradient> by_term(basis.pieces().terms.size());
-  const int rows = std::max(1, kBandPixels / pixels.image->width);
+  const int rows = std::max(kBandRows, kBandPixels / pixels.image->width);
   for (int begin = 0; begin < pixels.image->height; begin += rows) {
     const RunningSums sums(derivatives.still(), pixels.image->width, begin,
                            std::min(pixels.image->height, begin + rows), derivatives.cell_width());
