@@ -23,7 +23,8 @@ using spline::PieceTerm;
 
 constexpr double kStep = 1e-5;        // pixels, for differences of coefficients
 constexpr std::size_t kBatch = 512;   // pixels that are added at a time
-constexpr int kBandPixels = 1 << 19;  // about 50 MB of running sums
+constexpr int kBandPixels = 1 << 15;  // of running sums: 3 MB, so that they stay in the cache
+constexpr int kBandRows = 32;         // at least: all configs are looked at for each band
 
 /// Two unit directions in which a knot may move; the second is unused for knots on a line.
 struct Directions {
@@ -365,6 +366,49 @@ std::pair<int, int> columns_of(const PieceTerm& term, double y, double slack, in
   return {clamped(std::ceil(low / cell - 0.5)), clamped(std::floor(high / cell - 0.5) + 1)};
 }
 
+/// Runs of pixels that are not at their centres, by row.
+class MovedRuns {
+ public:
+  struct Run {
+    int begin;
+    int end;
+  };
+
+  MovedRuns(const spline::Places& places, const image::Image& image, double cell_width, double cell_height) {
+    first_.push_back(0);
+    for (int y = 0; y < image.height; ++y) {
+      const double centre_y = (y + 0.5) * cell_height;
+      bool before = false;
+      for (int x = 0; x < image.width; ++x) {
+        const bool moved = places.x(y)[x] != (x + 0.5) * cell_width || places.y(y)[x] != centre_y;
+        if (moved && !before) runs_.push_back({x, x});
+        if (moved) runs_.back().end = x + 1;
+        before = moved;
+      }
+      first_.push_back(runs_.size());
+    }
+  }
+
+  std::span<const Run> row(int y) const {
+    const auto i = static_cast<std::size_t>(y);
+    return std::span(runs_).subspan(first_[i], first_[i + 1] - first_[i]);
+  }
+
+  /// Those that meet some columns.
+  std::span<const Run> row(int y, Run columns) const {
+    const std::span<const Run> all = row(y);
+    const auto from =
+        std::partition_point(all.begin(), all.end(), [&](const Run& r) { return r.end <= columns.begin; });
+    const auto to =
+        std::partition_point(from, all.end(), [&](const Run& r) { return r.begin < columns.end; });
+    return {from, to};
+  }
+
+ private:
+  std::vector<Run> runs_;
+  std::vector<std::size_t> first_;
+};
+
 class Derivatives {
  public:
   Derivatives(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
@@ -385,17 +429,31 @@ class Derivatives {
             fit.residual[i * channels + c] * (pixels.weights.empty() ? 1.0F : pixels.weights[i]);
       }
     }
+    still_ = weighted_;
+    if (pixels.places.empty()) return;
+    moved_.emplace(places_, image_, cell_width_, cell_height_);
+    for (int y = 0; y < image_.height; ++y) {
+      for (const MovedRuns::Run& run : moved_->row(y)) {
+        for (auto& channel : still_)
+          std::fill_n(channel.begin() + y * image_.width + run.begin, run.end - run.begin, 0.0F);
+      }
+    }
   }
 
   double cell_width() const { return cell_width_; }
 
-  /// Residual times weight, by channel.
-  std::span<const std::vector<float>> weighted() const { return weighted_; }
+  /// Residual times weight, by channel; zero for pixels that are not at their centres.
+  std::span<const std::vector<float>> still() const { return still_; }
 
   /// Adds the pixels of a band of rows to the gradient by the planes of the terms of one config.
   void add_band(std::size_t config, const RunningSums& sums, std::span<ShapeGradient> by_term) const {
     const Piece& piece = basis_.pieces().pieces[config];
-    if (piece.term_begin == piece.term_end || movable_knots(config).count == 0) return;
+    if (piece.term_begin == piece.term_end) return;
+    const PieceTerm& term = basis_.pieces().terms[piece.term_begin];
+    const double slack = places_.widest();
+    if (term.high.y + slack < sums.begin() * cell_height_ || term.low.y - slack > sums.end() * cell_height_)
+      return;
+    if (movable_knots(config).count == 0) return;
     sum_pixels(config, sums, by_term.subspan(piece.term_begin, piece.term_end - piece.term_begin));
   }
 
@@ -469,7 +527,7 @@ class Derivatives {
     return result;
   }
 
-  /// Rows that stay in place are summed by regions, pixels with places of their own one by one.
+  /// Pixels at their centres are summed by regions, moved ones one by one.
   void sum_pixels(std::size_t config, const RunningSums& sums, std::span<ShapeGradient> gradients) const {
     const Piece& piece = basis_.pieces().pieces[config];
     const std::span<const PieceTerm> terms = terms_of(piece);
@@ -498,12 +556,9 @@ class Derivatives {
     thread_local PixelBatch batch;
     batch.clear();
     for (int y = top; y < bottom; ++y) {
-      if (regions && !(slack > 0 && places_.moved(y, left, right))) {
-        regions->add_row(sums.row(y), (y + 0.5) * cell_height_ - origin.y);
-      } else {
-        append_row(y, slack, terms, origin, batch);
-        if (batch.x.size() >= kBatch) add_batch(config, shapes, batch, gradients);
-      }
+      if (regions) regions->add_row(sums.row(y), (y + 0.5) * cell_height_ - origin.y);
+      append_row(y, {left, right}, slack, terms, !regions, origin, batch);
+      if (batch.x.size() >= kBatch) add_batch(config, shapes, batch, gradients);
     }
     if (regions) regions->add_to(shapes.front(), controls_of(config), gradients.front());
     if (!batch.x.empty()) add_batch(config, shapes, batch, gradients);
@@ -519,26 +574,46 @@ class Derivatives {
     return result;
   }
 
-  /// The pixels of a row in which some term may be positive.
-  void append_row(int y, double slack, std::span<const PieceTerm> terms, Vec2 origin,
-                  PixelBatch& batch) const {
-    int from = image_.width;
-    int to = 0;
+  /// Appends the pixels of a row where some term may be positive: all of them, or those that are moved.
+  /// @param box columns outside of which there are none.
+  void append_row(int y, MovedRuns::Run box, double slack, std::span<const PieceTerm> terms, bool all,
+                  Vec2 origin, PixelBatch& batch) const {
+    if (!all && slack == 0) return;
+    const std::span<const MovedRuns::Run> runs = all ? std::span(&box, 1) : moved_->row(y, box);
+    if (runs.empty()) return;
+    const MovedRuns::Run columns = columns_of_any(terms, y, slack);
+    for (const MovedRuns::Run& run : runs) {
+      const int from = std::max(run.begin, columns.begin);
+      const int to = std::min(run.end, columns.end);
+      if (from < to) append_run(y, {from, to}, origin, batch);
+    }
+  }
+
+  MovedRuns::Run columns_of_any(std::span<const PieceTerm> terms, int y, double slack) const {
+    MovedRuns::Run columns{image_.width, 0};
     for (const PieceTerm& term : terms) {
       const auto [first, last] = columns_of(term, (y + 0.5) * cell_height_, slack, image_.width, cell_width_);
       if (first >= last) continue;
-      from = std::min(from, first);
-      to = std::max(to, last);
+      columns.begin = std::min(columns.begin, first);
+      columns.end = std::max(columns.end, last);
     }
-    for (int x = from; x < to; ++x) {
-      batch.x.push_back((slack > 0 ? places_.x(y)[x] : (x + 0.5) * cell_width_) - origin.x);
-      batch.y.push_back((slack > 0 ? places_.y(y)[x] : (y + 0.5) * cell_height_) - origin.y);
+    return columns;
+  }
+
+  void append_run(int y, MovedRuns::Run run, Vec2 origin, PixelBatch& batch) const {
+    const std::size_t before = batch.x.size();
+    const auto n = static_cast<std::size_t>(run.end - run.begin);
+    batch.x.resize(before + n);
+    batch.y.resize(before + n);
+    for (std::size_t i = 0; i < n; ++i) {
+      const int x = run.begin + static_cast<int>(i);
+      batch.x[before + i] = (moved_ ? places_.x(y)[x] : (x + 0.5) * cell_width_) - origin.x;
+      batch.y[before + i] = (moved_ ? places_.y(y)[x] : (y + 0.5) * cell_height_) - origin.y;
     }
-    if (from >= to) return;
     const std::size_t row = static_cast<std::size_t>(y) * std::size_t(image_.width);
     for (std::size_t c = 0; c < weighted_.size(); ++c) {
       const float* r = weighted_[c].data() + row;
-      batch.residual[c].insert(batch.residual[c].end(), r + from, r + to);
+      batch.residual[c].insert(batch.residual[c].end(), r + run.begin, r + run.end);
     }
   }
 
@@ -570,7 +645,9 @@ class Derivatives {
   double cell_width_;  ///< of a pixel in the domain
   double cell_height_;
   spline::Places places_;
+  std::optional<MovedRuns> moved_;
   std::vector<std::vector<float>> weighted_;  ///< residual times weight, by channel
+  std::vector<std::vector<float>> still_;     ///< the same, zero for moved pixels
 };
 
 }  // namespace
@@ -590,9 +667,9 @@ std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels
     });
   };
   std::vector<ShapeGradient> by_term(basis.pieces().terms.size());
-  const int rows = std::max(1, kBandPixels / pixels.image->width);
+  const int rows = std::max(kBandRows, kBandPixels / pixels.image->width);
   for (int begin = 0; begin < pixels.image->height; begin += rows) {
-    const RunningSums sums(derivatives.weighted(), pixels.image->width, begin,
+    const RunningSums sums(derivatives.still(), pixels.image->width, begin,
                            std::min(pixels.image->height, begin + rows), derivatives.cell_width());
     for_configs([&](std::size_t, std::size_t c) { derivatives.add_band(c, sums, by_term); });
   }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstring>
 #include <numeric>
 
 #include "base/multiversion.h"
@@ -105,38 +106,88 @@ class BoxIndex {
   std::vector<FunctionIndex> entries_;
 };
 
-/// Values times the weights of their pixels, laid out like the values.
-std::vector<double> weighted_values(const GridValues& grid, std::span<const float> weights, int width) {
-  std::vector<double> weighted = grid.values;
-  parallel_for(grid.row_begin.size() - 1, [&](std::size_t f) {
-    for (const GridValues::Row& row : grid.rows_of(static_cast<FunctionIndex>(f))) {
-      const float* w = weights.data() + static_cast<std::size_t>(row.y) * std::size_t(width);
-      double* v = weighted.data() + row.offset;
-      for (std::int32_t x = row.x_begin; x < row.x_end; ++x, ++v) *v *= static_cast<double>(w[x]);
+/// Values times the weights of their pixels. Most functions have pixels of weight 1 only: their values serve
+/// as they are.
+class WeightedValues {
+ public:
+  /// Both must outlive this.
+  WeightedValues(const GridValues& grid, std::span<const float> weights, int width)
+      : grid_(grid), begin_(grid.row_begin.size(), 0) {
+    if (weights.empty()) return;
+    const std::size_t functions = grid.row_begin.size() - 1;
+    std::vector<std::uint8_t> plain(functions);
+    parallel_for(functions, [&](std::size_t f) {
+      const auto rows = grid.rows_of(static_cast<FunctionIndex>(f));
+      plain[f] = std::all_of(rows.begin(), rows.end(), [&](const GridValues::Row& row) {
+        const auto w = weights_of(row, weights, width);
+        return std::all_of(w.begin(), w.end(), [](float v) { return v == 1; });
+      });
+    });
+    for (std::size_t f = 0; f < functions; ++f) {
+      begin_[f + 1] = begin_[f] + (plain[f] ? 0 : size_of(grid.rows_of(static_cast<FunctionIndex>(f))));
     }
-  });
-  return weighted;
-}
+    values_.resize(begin_.back());
+    parallel_for(functions, [&](std::size_t f) {
+      if (plain[f]) return;
+      const auto rows = grid.rows_of(static_cast<FunctionIndex>(f));
+      for (const GridValues::Row& row : rows) {
+        const double* from = grid.values.data() + row.offset;
+        double* to = values_.data() + begin_[f] + (row.offset - rows.front().offset);
+        for (const float w : weights_of(row, weights, width)) *to++ = *from++ * static_cast<double>(w);
+      }
+    });
+  }
 
-/// Sum of the products of two functions over all pixels, the second one weighted.
+  /// Those of the first row of a function; the other rows follow as in the grid.
+  const double* of(FunctionIndex f) const {
+    if (begin_[f] < begin_[f + 1]) return values_.data() + begin_[f];
+    return grid_.values.data() + grid_.rows_of(f).front().offset;
+  }
+
+ private:
+  static std::span<const float> weights_of(const GridValues::Row& row, std::span<const float> weights,
+                                           int width) {
+    return weights.subspan(static_cast<std::size_t>(row.y) * std::size_t(width) + std::size_t(row.x_begin),
+                           static_cast<std::size_t>(row.x_end - row.x_begin));
+  }
+
+  static std::size_t size_of(std::span<const GridValues::Row> rows) {
+    const GridValues::Row& last = rows.back();
+    return last.offset + static_cast<std::size_t>(last.x_end - last.x_begin) + GridValues::kPadding -
+           rows.front().offset;
+  }
+
+  const GridValues& grid_;
+  std::vector<std::size_t> begin_;
+  std::vector<double> values_;
+};
+
+/// Four sums side by side: the order of additions is fixed, whatever the vector width.
+using Lanes [[gnu::vector_size(4 * sizeof(double))]] = double;
+
+/// Sum of the products of two functions over all pixels, the second one weighted: its values from the first
+/// row on.
 KNOTREEL_MULTIVERSION
 double product(const GridValues& grid, const double* weighted, FunctionIndex f, FunctionIndex g) {
   const auto a = grid.rows_of(f);
   const auto b = grid.rows_of(g);
   const std::int32_t top = std::max(a.front().y, b.front().y);
   const std::int32_t bottom = std::min(a.back().y, b.back().y) + 1;
-  // Four sums side by side: the order is fixed, whatever the vector width.
-  double sums[4] = {};
-  for (std::int32_t y = top; y < bottom; ++y) {
-    const GridValues::Row& p = a[static_cast<std::size_t>(y - a.front().y)];
-    const GridValues::Row& q = b[static_cast<std::size_t>(y - b.front().y)];
-    const std::int32_t from = std::max(p.x_begin, q.x_begin);
-    const std::int32_t n = std::min(p.x_end, q.x_end) - from;
-    const double* __restrict u = grid.values.data() + p.offset + (from - p.x_begin);
-    const double* __restrict v = weighted + q.offset + (from - q.x_begin);
+  const GridValues::Row* p = a.data() + (top - a.front().y);
+  const GridValues::Row* q = b.data() + (top - b.front().y);
+  Lanes sums{};
+  for (std::int32_t y = top; y < bottom; ++y, ++p, ++q) {
+    const std::int32_t from = std::max(p->x_begin, q->x_begin);
+    const std::int32_t to = std::min(p->x_end, q->x_end);
+    const double* u = grid.values.data() + p->offset + (from - p->x_begin);
+    const double* v = weighted + (q->offset - b.front().offset) + (from - q->x_begin);
     // The last block may run into the padding of the row that ends first.
-    for (std::int32_t i = 0; i < n; i += 4) {
-      for (std::int32_t l = 0; l < 4; ++l) sums[l] += u[i + l] * v[i + l];
+    for (std::int32_t x = from; x < to; x += 4, u += 4, v += 4) {
+      Lanes s;
+      Lanes t;
+      std::memcpy(&s, u, sizeof s);
+      std::memcpy(&t, v, sizeof t);
+      sums += s * t;
     }
   }
   return (sums[0] + sums[1]) + (sums[2] + sums[3]);
@@ -165,7 +216,7 @@ std::array<double, 4> product(std::span<const GridValues::Row> rows, const doubl
                               const std::array<float, 4>* target, std::size_t width) {
   std::array<double, 4> sum{};
   for (const GridValues::Row& row : rows) {
-    const double* v = weighted + row.offset;
+    const double* v = weighted + (row.offset - rows.front().offset);
     const std::array<float, 4>* pixel =
         target + static_cast<std::size_t>(row.y) * width + static_cast<std::size_t>(row.x_begin);
     for (std::int32_t i = 0; i < row.x_end - row.x_begin; ++i) {
@@ -202,9 +253,7 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
   normal.matrix.resize(n, n);
   const Samples samples = padded(target);
   values.for_bands([&](const GridValues& grid, int, int) {
-    std::vector<double> scaled;
-    if (!weights.empty()) scaled = weighted_values(grid, weights, values.width());
-    const double* weighted = weights.empty() ? grid.values.data() : scaled.data();
+    const WeightedValues weighted(grid, weights, values.width());
     std::vector<Box> boxes = boxes_of(grid);
     for (std::size_t f = 0; f < active.size(); ++f) {
       if (!active[f]) boxes[f] = {};
@@ -224,11 +273,11 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
         }
         index.later_neighbours(f, seen, neighbours);
         for (const FunctionIndex g : neighbours) {
-          const double sum = product(grid, weighted, f, g);
+          const double sum = product(grid, weighted.of(g), f, g);
           if (sum != 0 || g == f) columns[f].push_back({g, sum});
         }
         const std::array<double, 4> sum =
-            product(grid.rows_of(f), weighted, samples.data(), static_cast<std::size_t>(target.width));
+            product(grid.rows_of(f), weighted.of(f), samples.data(), static_cast<std::size_t>(target.width));
         for (Eigen::Index c = 0; c < target.channels; ++c) {
           normal.right(static_cast<Eigen::Index>(f), c) += sum[static_cast<std::size_t>(c)];
         }

@@ -17,7 +17,7 @@ constexpr Vec2 kAside{0.819e-9, 0.574e-9};
 KNOTREEL_MULTIVERSION
 void sum_row(const std::array<const float*, 4>& quantity, std::size_t channels, int width, double cell_width,
              RunningSums::Sums* out) {
-  RunningSums::Sums sums;
+  RunningSums::Sums sums{};
   for (int i = 0; i < width; ++i) {
     out[i] = sums;
     const double x = (i + 0.5) * cell_width;
@@ -56,13 +56,14 @@ RunningSums::RunningSums(std::span<const std::vector<float>> channels, int width
     : width_(width),
       begin_(begin),
       end_(end),
-      sums_((static_cast<std::size_t>(width) + 1) * static_cast<std::size_t>(end - begin)) {
+      sums_(std::make_unique_for_overwrite<Sums[]>((static_cast<std::size_t>(width) + 1) *
+                                                   static_cast<std::size_t>(end - begin))) {
   parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i) {
     const std::size_t row_begin = (static_cast<std::size_t>(begin) + i) * static_cast<std::size_t>(width);
     std::array<const float*, 4> quantity{};
     for (std::size_t c = 0; c < channels.size(); ++c) quantity[c] = channels[c].data() + row_begin;
     sum_row(quantity, channels.size(), width, cell_width,
-            sums_.data() + i * (static_cast<std::size_t>(width) + 1));
+            sums_.get() + i * (static_cast<std::size_t>(width) + 1));
   });
 }
 

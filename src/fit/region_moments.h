@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -35,7 +36,7 @@ class RunningSums {
  public:
   /// Sums over the pixels before this one in its row.
   struct Sums {
-    Channels one{}, x{}, xx{};
+    Channels one, x, xx;
   };
 
   /// @param channels row-major, up to four. @param cell_width of a pixel. For the rows [begin, end).
@@ -46,14 +47,14 @@ class RunningSums {
 
   /// width + 1 sums.
   const Sums* row(int y) const {
-    return sums_.data() + static_cast<std::size_t>(y - begin_) * (static_cast<std::size_t>(width_) + 1);
+    return sums_.get() + static_cast<std::size_t>(y - begin_) * (static_cast<std::size_t>(width_) + 1);
   }
 
  private:
   int width_;
   int begin_;
   int end_;
-  std::vector<Sums> sums_;
+  std::unique_ptr<Sums[]> sums_;  ///< not a vector, which would be zeroed first
 };
 
 /// Pixels of columns [left, right) at whose centres up to eight planes are positive.

@@ -60,6 +60,7 @@ void merge(std::vector<Entry>& out, std::size_t begin) {
 void append_values(const PieceSet& set, const TermIndex& index, Vec2 u, Vec2 direction,
                    std::vector<BasisValue>& out) {
   for (const TermIndex::Entry& e : index.at(u)) {
+    if (!index.near(e, u)) continue;
     const PieceTerm& term = set.terms[e.term];
     double w = tent_value(term.tent, u, direction);
     if (w == 0) continue;
@@ -94,6 +95,7 @@ void Basis::evaluate(Vec2 u, std::vector<BasisValue>& out) const {
 void Basis::evaluate(Vec2 u, Vec2 direction, std::vector<BasisJet>& out) const {
   out.clear();
   for (const TermIndex::Entry& e : index_.at(u)) {
+    if (!index_.near(e, u)) continue;
     const PieceTerm& term = pieces_.terms[e.term];
     Jet w = tent_jet(term.tent, u, direction);
     if (w.value == 0 && w.dx == 0 && w.dy == 0) continue;

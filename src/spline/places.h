@@ -43,6 +43,9 @@ class Places {
   const double* x(std::int32_t row) const { return x_.data() + static_cast<std::size_t>(row) * columns_; }
   const double* y(std::int32_t row) const { return y_.data() + static_cast<std::size_t>(row) * columns_; }
 
+  /// Largest distance by coordinate of any pixel from its place.
+  double widest() const { return widest_; }
+
   /// Whether some pixel near those of the columns [begin, end) of a row is not at its centre.
   bool moved(std::int32_t row, std::int32_t begin, std::int32_t end) const {
     if (widest_ == 0 || begin >= end) return false;

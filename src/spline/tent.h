@@ -37,7 +37,9 @@ inline Jet tent_jet(const Tent& tent, Vec2 u, Vec2 direction) {
   const auto rise = [&](const Affine& a) { return a.nx * direction.x + a.ny * direction.y; };
   // Whether linear function a (value va) is below b (value vb) just beside u; equal within kOnWall pixels.
   const auto below = [&](const Affine& a, double va, const Affine& b, double vb) {
-    const double tolerance = kOnWall * std::hypot(a.nx - b.nx, a.ny - b.ny);
+    const double dx = a.nx - b.nx;
+    const double dy = a.ny - b.ny;
+    const double tolerance = kOnWall * std::sqrt(dx * dx + dy * dy);
     return std::abs(va - vb) <= tolerance ? rise(a) < rise(b) : va < vb;
   };
   const Affine* active = &tent.slopes[0];

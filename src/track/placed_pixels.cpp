@@ -43,10 +43,10 @@ class DisplacementGrid {
   Vec2 at(Vec2 p) const {
     const double x = std::clamp(p.x - 0.5, 0.0, width_ - 1.0);
     const double y = std::clamp(p.y - 0.5, 0.0, height_ - 1.0);
-    const auto x0 = static_cast<std::size_t>(x);
-    const auto y0 = static_cast<std::size_t>(y);
-    const std::size_t x1 = std::min(x0 + 1, std::size_t(width_) - 1);
-    const std::size_t y1 = std::min(y0 + 1, std::size_t(height_) - 1);
+    const int x0 = static_cast<int>(x);
+    const int y0 = static_cast<int>(y);
+    const int x1 = std::min(x0 + 1, width_ - 1);
+    const int y1 = std::min(y0 + 1, height_ - 1);
     const double fx = x - static_cast<double>(x0);
     const double fy = y - static_cast<double>(y0);
     return (1 - fy) * ((1 - fx) * offset(x0, y0) + fx * offset(x1, y0)) +
@@ -54,8 +54,8 @@ class DisplacementGrid {
   }
 
  private:
-  Vec2 offset(std::size_t x, std::size_t y) const {
-    const std::size_t i = 2 * (y * std::size_t(width_) + x);
+  Vec2 offset(int x, int y) const {
+    const std::size_t i = 2 * (std::size_t(y) * std::size_t(width_) + std::size_t(x));
     return {offsets_[i], offsets_[i + 1]};
   }
 

@@ -27,6 +27,12 @@ class TermIndex {
   /// Terms that may be non-zero at u (which is clamped to the domain), ascending.
   std::span<const Entry> at(Vec2 u) const;
 
+  /// Whether u is in the bounding box of a term, or as near to it as a point on a wall may be.
+  bool near(const Entry& entry, Vec2 u) const {
+    const auto& [low, high] = boxes_[entry.term];
+    return low.x <= u.x && u.x <= high.x && low.y <= u.y && u.y <= high.y;
+  }
+
   /// Appends the terms that may be non-zero somewhere in the box, ascending, each once.
   void in_box(Vec2 low, Vec2 high, std::vector<Entry>& out) const;
 
