@@ -37,6 +37,9 @@ inline Jet tent_jet(const Tent& tent, Vec2 u, Vec2 direction) {
   const auto rise = [&](const Affine& a) { return a.nx * direction.x + a.ny * direction.y; };
   // Whether linear function a (value va) is below b (value vb) just beside u; equal within kOnWall pixels.
   const auto below = [&](const Affine& a, double va, const Affine& b, double vb) {
+    // Nearly always they are so far from equal that the length of the gradient need not be known.
+    const double least = 2 * kOnWall * (std::abs(a.nx - b.nx) + std::abs(a.ny - b.ny));
+    if (std::abs(va - vb) > least) return va < vb;
     const double tolerance = kOnWall * std::hypot(a.nx - b.nx, a.ny - b.ny);
     return std::abs(va - vb) <= tolerance ? rise(a) < rise(b) : va < vb;
   };
