@@ -68,14 +68,20 @@ bool Tile::fold(const SurfaceTerm& term) {
 }
 
 /// Whether a term is zero in the whole box, and a little around it.
-bool Tile::vanishes(const SurfaceTerm& term) const {
-  const spline::Tent& tent = term.tent;
-  const Vec2 half = 0.5 * (box_.high - box_.low) + Vec2{2 * spline::kOnWall, 2 * spline::kOnWall};
-  const auto outside = [&](const spline::Affine& a) {
-    return a(centre_) + std::abs(a.nx) * half.x + std::abs(a.ny) * half.y <= 0;
+bool Tile::vanishes(const BoxedTerm& t, const Box& box) {
+  if (!t.box.touches(box)) return true;
+  const spline::Tent& tent = t.term->tent;
+  const Vec2 centre = 0.5 * (box.low + box.high);
+  const Vec2 half = 0.5 * (box.high - box.low) + Vec2{2 * spline::kOnWall, 2 * spline::kOnWall};
+  // One bound that is not positive would do, but the least of all of them needs no branches, which could not
+  // be foreseen here.
+  double least = tent.slope_count > 0 ? std::numeric_limits<double>::infinity() : tent.constant;
+  const auto add_bound = [&](const spline::Affine& a) {
+    least = std::min(least, a(centre) + std::abs(a.nx) * half.x + std::abs(a.ny) * half.y);
   };
-  return std::any_of(tent.slopes.begin(), tent.slopes.begin() + tent.slope_count, outside) ||
-         std::any_of(tent.walls.begin(), tent.walls.begin() + tent.wall_count, outside);
+  std::for_each_n(tent.slopes.begin(), tent.slope_count, add_bound);
+  std::for_each_n(tent.walls.begin(), tent.wall_count, add_bound);
+  return least <= 0;
 }
 
 void Tile::assemble(const Box& box) {
@@ -87,7 +93,7 @@ void Tile::assemble(const Box& box) {
   for (const BoxedTerm& t : all_) {
     if (fold(*t.term)) continue;
     has_kink_ = has_kink_ || t.term->tent.wall_count > 0;
-    if (!vanishes(*t.term)) terms_.push_back(t);
+    if (!vanishes(t, box_)) terms_.push_back(t);
   }
 }
 
@@ -164,11 +170,18 @@ void Tile::start_points(const double* x, const double* y, int n) {
   }
 }
 
-/// The box of the first n parameters: it is often much smaller than box_.
-Tile::Box Tile::box_of_points(int n) const {
+/// The terms that may be non-zero at the first n parameters.
+std::span<const Tile::BoxedTerm> Tile::terms_of_points(int n) {
   const auto [x0, x1] = std::minmax_element(ux_.begin(), ux_.begin() + n);
   const auto [y0, y1] = std::minmax_element(uy_.begin(), uy_.begin() + n);
-  return {{*x0, *y0}, {*x1, *y1}};
+  const Box points{{*x0, *y0}, {*x1, *y1}};
+  // The pixels of the tile fill box_, and nearly all terms are met; the points of one pixel meet few.
+  if (points.high.x - points.low.x > 0.5 * (box_.high.x - box_.low.x)) return terms_;
+  near_.clear();
+  for (const BoxedTerm& t : terms_) {
+    if (!vanishes(t, points)) near_.push_back(t);
+  }
+  return near_;
 }
 
 /// Fills ux_, uy_ by Newton's method until the longest step is below `small` pixels.
@@ -184,10 +197,7 @@ bool Tile::invert(const double* x, const double* y, int n, double small) {
       set_geometry(smooth_[c], centre_, ux_.data(), uy_.data(), n, g.d[c].data(), g.j[c][0].data(),
                    g.j[c][1].data());
     }
-    const Box points = box_of_points(n);
-    for (const BoxedTerm& t : terms_) {
-      if (t.box.touches(points)) add_geometry(*t.term, ux_.data(), uy_.data(), n, g);
-    }
+    for (const BoxedTerm& t : terms_of_points(n)) add_geometry(*t.term, ux_.data(), uy_.data(), n, g);
     longest = newton_step(g, x, y, n, box_.low, box_.high, ux_.data(), uy_.data(), moved.data());
     if (longest < small) break;
   }
@@ -224,9 +234,8 @@ void Tile::colours(const double* x, const double* y, int n, double* out) {
   for (std::size_t c = kGeometryChannels; c < surface_.channels(); ++c) {
     set_colour(smooth_[c], centre_, ux_.data(), uy_.data(), n, out + (c - kGeometryChannels) * kBatch);
   }
-  const Box points = box_of_points(n);
-  for (const BoxedTerm& t : terms_) {
-    if (t.box.touches(points)) add_colours(*t.term, surface_.channels(), ux_.data(), uy_.data(), n, out);
+  for (const BoxedTerm& t : terms_of_points(n)) {
+    add_colours(*t.term, surface_.channels(), ux_.data(), uy_.data(), n, out);
   }
   // What comes next must not depend on these points: a crop or a band may leave them out.
   if (!fits) assemble(box);

@@ -44,10 +44,10 @@ class Tile {
   };
 
   Box reach_of(const Surface::Bounds& displacement, Vec2 low, Vec2 high) const;
-  Box box_of_points(int n) const;
+  std::span<const BoxedTerm> terms_of_points(int n);
   void assemble(const Box& box);
   bool fold(const SurfaceTerm& term);
-  bool vanishes(const SurfaceTerm& term) const;
+  static bool vanishes(const BoxedTerm& t, const Box& box);
   void solve_nodes(Vec2 low, Vec2 high);
   void start_points(const double* x, const double* y, int n);
   bool invert(const double* x, const double* y, int n, double small);
@@ -67,6 +67,7 @@ class Tile {
   std::vector<BoxedTerm> block_;                  ///< terms that touch the reach of the block, in order
   std::vector<BoxedTerm> all_;                    ///< those that touch reach_
   std::vector<BoxedTerm> terms_;                  ///< those that are neither zero nor folded into smooth_
+  std::vector<BoxedTerm> near_;                   ///< those that some point of a batch may meet
   std::vector<spline::TermIndex::Entry> entries_;
   alignas(64) std::array<double, kBatch> ux_{};
   alignas(64) std::array<double, kBatch> uy_{};
