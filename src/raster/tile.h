@@ -33,8 +33,11 @@ class Tile {
     Vec2 low;
     Vec2 high;
 
+    /// Without branches: which of the four tests fails cannot be foreseen.
     bool touches(const Box& other) const {
-      return low.x <= other.high.x && high.x >= other.low.x && low.y <= other.high.y && high.y >= other.low.y;
+      const bool x = (low.x <= other.high.x) & (high.x >= other.low.x);
+      const bool y = (low.y <= other.high.y) & (high.y >= other.low.y);
+      return x & y;
     }
   };
   /// A term and the box outside which it is zero.
