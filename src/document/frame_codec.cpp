@@ -53,8 +53,9 @@ bool unchanged(const FrameState& x, const FrameState& y) {
 Matches match(const FrameState& state, const FrameState* before, bool topology_stored) {
   if (!before) return {std::vector<std::uint32_t>(state.mesh().knots.size(), kNoMatch), {}, {}};
   if (!topology_stored) return identity(state);
-  return {match_knots(state.mesh(), before->mesh()), match_functions(*state.space, *before->space),
-          match_groups(*state.space, *before->space)};
+  std::vector<std::uint32_t> knots = match_knots(state.mesh(), before->mesh());
+  std::vector<std::uint32_t> groups = match_groups(*state.space, *before->space, knots);
+  return {std::move(knots), match_functions(*state.space, *before->space), std::move(groups)};
 }
 
 void quantise_controls(FrameState& state, const FrameModel& model, const Format& format,

@@ -169,9 +169,9 @@ std::vector<std::uint32_t> match_functions(const spline::SplineSpace& space,
   return match_names(function_names(space, corners.now), function_names(before, corners.before));
 }
 
-std::vector<std::uint32_t> match_groups(const spline::SplineSpace& space, const spline::SplineSpace& before) {
-  const ShortNames knots = short_names(knot_names(space.mesh()), knot_names(before.mesh()));
-  return match_names(group_names(space, knots.now), group_names(before, knots.before));
+std::vector<std::uint32_t> match_groups(const spline::SplineSpace& space, const spline::SplineSpace& before,
+                                        const std::vector<std::uint32_t>& knots) {
+  return match_names(group_names(space, knots), group_names(before, iota(before.mesh().knots.size())));
 }
 
 }  // namespace knotreel::document

@@ -31,7 +31,9 @@ std::vector<std::uint32_t> match_corners(const mesh::KnotMesh& mesh, const mesh:
 std::vector<std::uint32_t> match_functions(const spline::SplineSpace& space,
                                            const spline::SplineSpace& before);
 
-/// Geometry groups with the same knot ids.
-std::vector<std::uint32_t> match_groups(const spline::SplineSpace& space, const spline::SplineSpace& before);
+/// Geometry groups of the same knots.
+/// @param knots as from match_knots().
+std::vector<std::uint32_t> match_groups(const spline::SplineSpace& space, const spline::SplineSpace& before,
+                                        const std::vector<std::uint32_t>& knots);
 
 }  // namespace knotreel::document

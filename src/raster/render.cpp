@@ -136,18 +136,24 @@ void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, in
   const int last_column = (column_end - 1) / tile_width;
   const int first_row = row_begin / tile_height;
   const int last_row = (row_end - 1) / tile_height;
-  // Blocks of neighbouring tiles share a Tile and its buffers.
-  constexpr int kTilesPerTask = 16;
-  const int tasks_per_row = (last_column - first_column) / kTilesPerTask + 1;
-  const auto tasks =
-      static_cast<std::size_t>(last_row - first_row + 1) * static_cast<std::size_t>(tasks_per_row);
-  parallel_for(tasks, [&](std::size_t task) {
+  // Blocks of neighbouring tiles share a Tile and its look-up of terms.
+  constexpr int kBlockColumns = 8;
+  constexpr int kBlockRows = 4;
+  const int blocks_per_row = (last_column - first_column) / kBlockColumns + 1;
+  const int block_rows = (last_row - first_row) / kBlockRows + 1;
+  parallel_for(static_cast<std::size_t>(block_rows * blocks_per_row), [&](std::size_t block) {
+    const int i = static_cast<int>(block);
+    const int tile_x0 = first_column + i % blocks_per_row * kBlockColumns;
+    const int tile_y0 = first_row + i / blocks_per_row * kBlockRows;
+    const int tile_x1 = std::min(tile_x0 + kBlockColumns, last_column + 1);
+    const int tile_y1 = std::min(tile_y0 + kBlockRows, last_row + 1);
     Tile tile(surface);
-    const int tile_row = first_row + static_cast<int>(task / static_cast<std::size_t>(tasks_per_row));
-    const int begin =
-        first_column + static_cast<int>(task % static_cast<std::size_t>(tasks_per_row)) * kTilesPerTask;
-    for (int c = begin; c <= std::min(begin + kTilesPerTask - 1, last_column); ++c) {
-      draw_tile(tile, tile_row, c, crossed, row_begin, row_end, column_begin, column_end, out);
+    tile.set_block({tile_x0 * tile_width * fine_width, tile_y0 * tile_height * fine_height},
+                   {tile_x1 * tile_width * fine_width, tile_y1 * tile_height * fine_height});
+    for (int y = tile_y0; y < tile_y1; ++y) {
+      for (int x = tile_x0; x < tile_x1; ++x) {
+        draw_tile(tile, y, x, crossed, row_begin, row_end, column_begin, column_end, out);
+      }
     }
   });
 }

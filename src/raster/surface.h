@@ -42,11 +42,6 @@ class Surface {
   const spline::Basis& basis() const { return basis_; }
   std::span<const SurfaceTerm> terms() const { return terms_; }
 
-  /// Terms that may be non-zero in a box of the parametric domain.
-  void terms_in_box(Vec2 low, Vec2 high, std::vector<spline::TermIndex::Entry>& out) const {
-    basis_.index().in_box(low, high, out);
-  }
-
   /// Bounds of the displacement over a box of the image: for every u whose image lies in [low, high],
   /// S_geo(u) - u lies in the box returned (the convex hull property of the control points).
   struct Bounds {

@@ -36,25 +36,25 @@ bool Tile::fold(const SurfaceTerm& term) {
   spline::Affine active{};
   double value = tent.constant;
   if (tent.slope_count > 0) {
-    active = tent.slopes[0];
-    value = active(centre_);
-    for (int s = 1; s < tent.slope_count; ++s) {
-      const spline::Affine& slope = tent.slopes[static_cast<std::size_t>(s)];
-      if (slope(centre_) < value) {
-        active = slope;
-        value = active(centre_);
-      }
+    const auto slopes = std::span(tent.slopes).first(static_cast<std::size_t>(tent.slope_count));
+    std::array<double, 4> at_centre;
+    std::size_t least = 0;
+    for (std::size_t s = 0; s < slopes.size(); ++s) {
+      at_centre[s] = slopes[s](centre_);
+      if (at_centre[s] < at_centre[least]) least = s;
     }
-    for (int s = 0; s < tent.slope_count; ++s) {
-      const spline::Affine& slope = tent.slopes[static_cast<std::size_t>(s)];
-      if (slope(centre_) + spread(slope.nx, slope.ny) <= 0) return true;
-      if (slope(centre_) - value < spread(slope.nx - active.nx, slope.ny - active.ny)) return false;
+    active = slopes[least];
+    value = at_centre[least];
+    for (std::size_t s = 0; s < slopes.size(); ++s) {
+      const spline::Affine& slope = slopes[s];
+      if (at_centre[s] + spread(slope.nx, slope.ny) <= 0) return true;
+      if (at_centre[s] - value < spread(slope.nx - active.nx, slope.ny - active.ny)) return false;
     }
     if (value < spread(active.nx, active.ny)) return false;
   }
-  for (std::size_t c = 0; c < surface_.channels(); ++c) {
+  const Vec2 d = centre_ - term.origin;
+  for (std::size_t c = identity_ ? kGeometryChannels : 0; c < surface_.channels(); ++c) {
     const Plane& p = term.planes[c];
-    const Vec2 d = centre_ - term.origin;
     const double l = p.value + p.gx * d.x + p.gy * d.y;
     Quadratic& q = smooth_[c];
     q.c += value * l;
@@ -67,33 +67,67 @@ bool Tile::fold(const SurfaceTerm& term) {
   return true;
 }
 
+/// Whether a term is zero in the whole box, and a little around it.
+bool Tile::vanishes(const BoxedTerm& t, const Box& box) {
+  if (!t.box.touches(box)) return true;
+  const spline::Tent& tent = t.term->tent;
+  const Vec2 centre = 0.5 * (box.low + box.high);
+  const Vec2 half = 0.5 * (box.high - box.low) + Vec2{2 * spline::kOnWall, 2 * spline::kOnWall};
+  // One bound that is not positive would do, but the least of all of them needs no branches, which could not
+  // be foreseen here.
+  double least = tent.slope_count > 0 ? std::numeric_limits<double>::infinity() : tent.constant;
+  const auto add_bound = [&](const spline::Affine& a) {
+    least = std::min(least, a(centre) + std::abs(a.nx) * half.x + std::abs(a.ny) * half.y);
+  };
+  std::for_each_n(tent.slopes.begin(), tent.slope_count, add_bound);
+  std::for_each_n(tent.walls.begin(), tent.wall_count, add_bound);
+  return least <= 0;
+}
+
 void Tile::assemble(const Box& box) {
   box_ = box;
   centre_ = 0.5 * (box.low + box.high);
   smooth_ = {};
   terms_.clear();
   has_kink_ = false;
-  for (const SurfaceTerm* term : all_) {
-    if (fold(*term)) continue;
-    terms_.push_back(term);
-    has_kink_ = has_kink_ || term->tent.wall_count > 0;
+  for (const BoxedTerm& t : all_) {
+    if (fold(*t.term)) continue;
+    has_kink_ = has_kink_ || t.term->tent.wall_count > 0;
+    if (!vanishes(t, box_)) terms_.push_back(t);
+  }
+}
+
+/// Contains the parameters of all image points in [low, high], where the displacement has these bounds.
+Tile::Box Tile::reach_of(const Surface::Bounds& displacement, Vec2 low, Vec2 high) const {
+  const Vec2 limit{surface_.width() - kInset, surface_.height() - kInset};
+  const auto clamped = [&](Vec2 u) {
+    return Vec2{std::clamp(u.x, 0.0, limit.x), std::clamp(u.y, 0.0, limit.y)};
+  };
+  return {clamped(low - displacement.high), clamped(high - displacement.low)};
+}
+
+void Tile::set_block(Vec2 low, Vec2 high) {
+  const Box reach = reach_of(surface_.displacement_bounds(low, high), low, high);
+  const spline::TermIndex& index = surface_.basis().index();
+  entries_.clear();
+  index.in_box(reach.low, reach.high, entries_);
+  block_.clear();
+  for (const spline::TermIndex::Entry& e : entries_) {
+    const auto& [box_low, box_high] = index.box(e.term);
+    block_.push_back({{box_low, box_high}, &surface_.terms()[e.term]});
   }
 }
 
 void Tile::set(Vec2 low, Vec2 high, bool dense) {
   const Surface::Bounds bounds = surface_.displacement_bounds(low, high);
-  const Vec2 limit{surface_.width() - kInset, surface_.height() - kInset};
-  const auto clamped = [&](Vec2 u) {
-    return Vec2{std::clamp(u.x, 0.0, limit.x), std::clamp(u.y, 0.0, limit.y)};
-  };
-  reach_ = {clamped(low - bounds.high), clamped(high - bounds.low)};
+  reach_ = reach_of(bounds, low, high);
   shift_ = -0.5 * (bounds.low + bounds.high);
   identity_ = bounds.zero();
   has_nodes_ = false;
-  entries_.clear();
   all_.clear();
-  surface_.terms_in_box(reach_.low, reach_.high, entries_);
-  for (const spline::TermIndex::Entry& e : entries_) all_.push_back(&surface_.terms()[e.term]);
+  for (const BoxedTerm& t : block_) {
+    if (t.box.touches(reach_)) all_.push_back(t);
+  }
   assemble(reach_);
   if (dense && !identity_) solve_nodes(low, high);
 }
@@ -136,6 +170,20 @@ void Tile::start_points(const double* x, const double* y, int n) {
   }
 }
 
+/// The terms that may be non-zero at the first n parameters.
+std::span<const Tile::BoxedTerm> Tile::terms_of_points(int n) {
+  const auto [x0, x1] = std::minmax_element(ux_.begin(), ux_.begin() + n);
+  const auto [y0, y1] = std::minmax_element(uy_.begin(), uy_.begin() + n);
+  const Box points{{*x0, *y0}, {*x1, *y1}};
+  // The pixels of the tile fill box_, and nearly all terms are met; the points of one pixel meet few.
+  if (points.high.x - points.low.x > 0.5 * (box_.high.x - box_.low.x)) return terms_;
+  near_.clear();
+  for (const BoxedTerm& t : terms_) {
+    if (!vanishes(t, points)) near_.push_back(t);
+  }
+  return near_;
+}
+
 /// Fills ux_, uy_ by Newton's method until the longest step is below `small` pixels.
 /// @return false if box_ was too small for some point.
 bool Tile::invert(const double* x, const double* y, int n, double small) {
@@ -149,7 +197,7 @@ bool Tile::invert(const double* x, const double* y, int n, double small) {
       set_geometry(smooth_[c], centre_, ux_.data(), uy_.data(), n, g.d[c].data(), g.j[c][0].data(),
                    g.j[c][1].data());
     }
-    for (const SurfaceTerm* term : terms_) add_geometry(*term, ux_.data(), uy_.data(), n, g);
+    for (const BoxedTerm& t : terms_of_points(n)) add_geometry(*t.term, ux_.data(), uy_.data(), n, g);
     longest = newton_step(g, x, y, n, box_.low, box_.high, ux_.data(), uy_.data(), moved.data());
     if (longest < small) break;
   }
@@ -186,8 +234,8 @@ void Tile::colours(const double* x, const double* y, int n, double* out) {
   for (std::size_t c = kGeometryChannels; c < surface_.channels(); ++c) {
     set_colour(smooth_[c], centre_, ux_.data(), uy_.data(), n, out + (c - kGeometryChannels) * kBatch);
   }
-  for (const SurfaceTerm* term : terms_) {
-    add_colours(*term, surface_.channels(), ux_.data(), uy_.data(), n, out);
+  for (const BoxedTerm& t : terms_of_points(n)) {
+    add_colours(*t.term, surface_.channels(), ux_.data(), uy_.data(), n, out);
   }
   // What comes next must not depend on these points: a crop or a band may leave them out.
   if (!fits) assemble(box);

@@ -10,13 +10,17 @@ namespace knotreel::raster {
 
 /// The part of a surface that matters for a small box of the image. What is one polynomial over the whole box
 /// is added up beforehand (degree 1 and 2), so that few terms are left for each point; all points of a batch
-/// take the same path, which is what vector instructions want. One object per thread; set() and then
-/// colours() any number of times.
+/// take the same path, which is what vector instructions want. One object per thread; set_block(), set() and
+/// then colours() any number of times.
 class Tile {
  public:
   explicit Tile(const Surface& surface) : surface_(surface) {}
 
-  /// Prepares for image points in [low, high].
+  /// Prepares for boxes in [low, high] of the image, so that they share a look-up of terms. What is computed
+  /// does not depend on it.
+  void set_block(Vec2 low, Vec2 high);
+
+  /// Prepares for image points in [low, high], a box of the block.
   /// @param dense many points will follow: it pays to solve for nine of them first, which gives the others a
   /// start so close that one Newton step is enough, and a smaller parametric box.
   void set(Vec2 low, Vec2 high, bool dense);
@@ -28,10 +32,25 @@ class Tile {
   struct Box {
     Vec2 low;
     Vec2 high;
+
+    /// Without branches: which of the four tests fails cannot be foreseen.
+    bool touches(const Box& other) const {
+      const bool x = (low.x <= other.high.x) & (high.x >= other.low.x);
+      const bool y = (low.y <= other.high.y) & (high.y >= other.low.y);
+      return x & y;
+    }
+  };
+  /// A term and the box outside which it is zero.
+  struct BoxedTerm {
+    Box box;
+    const SurfaceTerm* term;
   };
 
+  Box reach_of(const Surface::Bounds& displacement, Vec2 low, Vec2 high) const;
+  std::span<const BoxedTerm> terms_of_points(int n);
   void assemble(const Box& box);
   bool fold(const SurfaceTerm& term);
+  static bool vanishes(const BoxedTerm& t, const Box& box);
   void solve_nodes(Vec2 low, Vec2 high);
   void start_points(const double* x, const double* y, int n);
   bool invert(const double* x, const double* y, int n, double small);
@@ -48,8 +67,10 @@ class Tile {
   Vec2 node_size_;
   std::array<double, 9> node_u_[2];               ///< parameters of the 3 x 3 nodes
   std::array<Quadratic, kMaxChannels> smooth_{};  ///< around centre_
-  std::vector<const SurfaceTerm*> all_;           ///< terms that touch reach_
-  std::vector<const SurfaceTerm*> terms_;         ///< those that are not folded into smooth_
+  std::vector<BoxedTerm> block_;                  ///< terms that touch the reach of the block, in order
+  std::vector<BoxedTerm> all_;                    ///< those that touch reach_
+  std::vector<BoxedTerm> terms_;                  ///< those that are neither zero nor folded into smooth_
+  std::vector<BoxedTerm> near_;                   ///< those that some point of a batch may meet
   std::vector<spline::TermIndex::Entry> entries_;
   alignas(64) std::array<double, kBatch> ux_{};
   alignas(64) std::array<double, kBatch> uy_{};

@@ -19,37 +19,34 @@ struct Member {
   std::uint32_t place;
 };
 
-/// All members by J, then by place: counted into buckets of equal first corner, each of which is small.
+/// All members by J, then by place: counted by each corner of J, the last one first, because a pass keeps the
+/// order of equals.
 std::vector<Member> sorted_members(std::span<const FamilyConfig> family, int level) {
-  std::vector<Member> unsorted;
-  unsorted.reserve(3 * family.size());
+  std::vector<Member> members;
+  members.reserve(3 * family.size());
   CornerIndex largest = 0;
   for (std::uint32_t c = 0; c < family.size(); ++c) {
     for (std::uint32_t i = 0; i < 3; ++i) {
       std::array<CornerIndex, 3> knots{family[c].inner[0], family[c].inner[1], kNoCorner};
+      largest = std::max(largest, family[c].triangle[i]);
       knots[static_cast<std::size_t>(level)] = family[c].triangle[i];
       // Ascending; kNoCorner is the largest and stays behind.
       if (knots[0] > knots[1]) std::swap(knots[0], knots[1]);
       if (knots[1] > knots[2]) std::swap(knots[1], knots[2]);
       if (knots[0] > knots[1]) std::swap(knots[0], knots[1]);
-      largest = std::max(largest, knots[0]);
-      unsorted.push_back({knots, 3 * c + i});
+      members.push_back({knots, 3 * c + i});
     }
   }
-  std::vector<std::uint32_t> begin(static_cast<std::size_t>(largest) + 2, 0);
-  for (const Member& m : unsorted) ++begin[m.knots[0] + 1];
-  for (std::size_t k = 1; k < begin.size(); ++k) begin[k] += begin[k - 1];
-  std::vector<Member> members(unsorted.size());
-  std::vector<std::uint32_t> cursor(begin.begin(), begin.end() - 1);
-  for (const Member& m : unsorted) members[cursor[m.knots[0]]++] = m;
-  if (level == 0) return members;
-  for (std::size_t k = 0; k + 1 < begin.size(); ++k) {
-    std::sort(members.begin() + begin[k], members.begin() + begin[k + 1],
-              [](const Member& a, const Member& b) {
-                const std::uint64_t x = (std::uint64_t{a.knots[1]} << 32) | a.knots[2];
-                const std::uint64_t y = (std::uint64_t{b.knots[1]} << 32) | b.knots[2];
-                return x != y ? x < y : a.place < b.place;
-              });
+  for (const FamilyConfig& c : family) {
+    for (std::size_t i = 0; i < static_cast<std::size_t>(level); ++i) largest = std::max(largest, c.inner[i]);
+  }
+  std::vector<Member> sorted(members.size());
+  for (auto key = static_cast<std::size_t>(level) + 1; key-- > 0;) {
+    std::vector<std::uint32_t> cursor(static_cast<std::size_t>(largest) + 2, 0);
+    for (const Member& m : members) ++cursor[m.knots[key] + 1];
+    for (std::size_t k = 1; k < cursor.size(); ++k) cursor[k] += cursor[k - 1];
+    for (const Member& m : members) sorted[cursor[m.knots[key]]++] = m;
+    members.swap(sorted);
   }
   return members;
 }

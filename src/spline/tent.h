@@ -37,8 +37,10 @@ inline Jet tent_jet(const Tent& tent, Vec2 u, Vec2 direction) {
   const auto rise = [&](const Affine& a) { return a.nx * direction.x + a.ny * direction.y; };
   // Whether linear function a (value va) is below b (value vb) just beside u; equal within kOnWall pixels.
   const auto below = [&](const Affine& a, double va, const Affine& b, double vb) {
+    // Nearly always they are so far from equal that the length of the gradient need not be known.
     const double dx = a.nx - b.nx;
     const double dy = a.ny - b.ny;
+    if (std::abs(va - vb) > 2 * kOnWall * (std::abs(dx) + std::abs(dy))) return va < vb;
     const double tolerance = kOnWall * std::sqrt(dx * dx + dy * dy);
     return std::abs(va - vb) <= tolerance ? rise(a) < rise(b) : va < vb;
   };

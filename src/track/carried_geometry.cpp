@@ -1,8 +1,8 @@
 #include "track/carried_geometry.h"
 
 #include <algorithm>
-#include <map>
 #include <unordered_map>
+#include <utility>
 
 namespace knotreel::track {
 
@@ -38,25 +38,30 @@ std::vector<Vec2> carried_displacement(const spline::SplineSpace& from, std::spa
   std::vector<Vec2> result(to.geometry_count());
   if (std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; }))
     return result;
-  std::map<Name, Vec2> known;
+  std::vector<std::pair<Name, Vec2>> known;
   std::unordered_map<std::uint32_t, Mean> by_knot;
   const std::vector<Name> old_names = group_names(from);
+  known.reserve(old_names.size());
+  by_knot.reserve(from.mesh().knots.size());
   for (std::size_t g = 0; g < old_names.size(); ++g) {
-    known.emplace(old_names[g], displacement[g]);
+    known.emplace_back(old_names[g], displacement[g]);
     for (const std::uint32_t id : old_names[g]) {
       Mean& mean = by_knot[id];
       mean.sum = mean.sum + displacement[g];
       mean.count += 1;
     }
   }
+  std::sort(known.begin(), known.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
   const std::vector<Vec2> sites = to.geometry_greville();
   const std::vector<Name> names = group_names(to);
   for (std::size_t g = 0; g < names.size(); ++g) {
     const Vec2 s = sites[g];
     const bool border = s.x <= 0 || s.y <= 0 || s.x >= to.mesh().width || s.y >= to.mesh().height;
     if (border) continue;  // stays exactly there
-    if (const auto it = known.find(names[g]); it != known.end()) {
-      result[g] = it->second;
+    const auto same = std::lower_bound(known.begin(), known.end(), names[g],
+                                       [](const auto& k, const Name& name) { return k.first < name; });
+    if (same != known.end() && same->first == names[g]) {
+      result[g] = same->second;
       continue;
     }
     Mean mean;

@@ -36,6 +36,9 @@ class TermIndex {
   /// Appends the terms that may be non-zero somewhere in the box, ascending, each once.
   void in_box(Vec2 low, Vec2 high, std::vector<Entry>& out) const;
 
+  /// The box, low and high, outside which a term counts as zero.
+  const std::pair<Vec2, Vec2>& box(std::uint32_t term) const { return boxes_[term]; }
+
  private:
   std::size_t column(double x) const;
   std::size_t row(double y) const;
