@@ -129,6 +129,28 @@ TEST_P(Pixels, PlacesAtTheCentresGiveTheGrid) {
   }
 }
 
+TEST_P(Pixels, FunctionsThatAreNotWantedHaveNoRows) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 5)) {
+    SCOPED_TRACE(c.name);
+    const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
+    const Basis basis(space);
+    const Raster raster{61, 53};
+    const std::vector<Vec2> places = mixed_places(c.mesh, raster);
+    std::vector<std::uint8_t> wanted(space->function_count());
+    for (std::size_t f = 0; f < wanted.size(); ++f) wanted[f] = f % 3 == 0;
+    const GridValues all = basis.evaluate_pixels(raster.columns, raster.rows, places, 0, raster.rows);
+    const GridValues some =
+        basis.evaluate_pixels(raster.columns, raster.rows, places, 0, raster.rows, wanted);
+    for (FunctionIndex f = 0; f < space->function_count(); ++f) {
+      if (wanted[f]) {
+        expect_same_rows(all, some, f, 0, raster.rows);
+      } else {
+        EXPECT_TRUE(some.rows_of(f).empty()) << "function " << f;
+      }
+    }
+  }
+}
+
 TEST_P(Pixels, BandsAndThreadsDoNotMatter) {
   for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 5)) {
     SCOPED_TRACE(c.name);
