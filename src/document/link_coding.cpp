@@ -75,16 +75,12 @@ class LinkCoding {
     before_.look_at(polygon.vertex);
     const auto ring = polygon.corners;
     open_.assign({{0, ring.size() - 1}});
+    std::size_t count = 0;
     while (!open_.empty()) {
       const auto [i, j] = open_.back();
       open_.pop_back();
       if (j - i <= 2) continue;
-      std::size_t code = 0;
-      if constexpr (Coder::kWriting) {
-        code = given.front();
-        given = given.subspan(1);
-      }
-      code = apex(ring, i, j, code);
+      const std::size_t code = apex(ring, i, j, Coder::kWriting ? given[count++] : 0);
       codes.push_back(static_cast<std::uint16_t>(code));
       open_.emplace_back(i + 1 + code, j);
       open_.emplace_back(i, i + 1 + code);

@@ -260,6 +260,34 @@ TEST_P(Evaluation, SpacesComeBackFromTheirLinkCodes) {
   }
 }
 
+TEST_P(Evaluation, LinksAreVisitedWithTheirCodes) {
+  for (const MeshCase& c : cases(20)) {
+    SCOPED_TRACE(c.name);
+    // What the policy is asked for, in that order, is what is visited later.
+    std::vector<std::vector<CornerIndex>> asked;
+    const auto name = [](const LinkPolygon& polygon) {
+      std::vector<CornerIndex> all(polygon.vertex.begin(), polygon.vertex.end());
+      all.insert(all.end(), polygon.corners.begin(), polygon.corners.end());
+      return all;
+    };
+    const SplineSpace space(
+        c.mesh, GetParam(), [&](const LinkPolygon& polygon, std::vector<std::uint16_t>& codes) {
+          asked.push_back(name(polygon));
+          encode_triangulation(polygon.corners.size(), triangulate_polygon(polygon.positions), codes);
+        });
+    std::vector<std::vector<CornerIndex>> visited;
+    std::vector<std::uint16_t> codes;
+    for_each_link(space, [&](const LinkPolygon& polygon, std::span<const std::uint16_t> of_link,
+                             std::span<const PolygonTriangle> triangles) {
+      visited.push_back(name(polygon));
+      codes.insert(codes.end(), of_link.begin(), of_link.end());
+      EXPECT_EQ(triangles.size(), polygon.corners.size() - 2);
+    });
+    EXPECT_EQ(visited, asked);
+    EXPECT_TRUE(std::equal(codes.begin(), codes.end(), space.link_codes().begin(), space.link_codes().end()));
+  }
+}
+
 TEST(LinkCodes, EveryTriangulationOfSmallPolygonsComesBack) {
   // All code sequences of polygons up to 7 corners: 1, 2, 5, 14, 42 triangulations.
   const std::size_t catalan[] = {1, 2, 5, 14, 42};
