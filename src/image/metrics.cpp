@@ -21,7 +21,7 @@ struct RowSums {
 };
 
 double rounded(float sample) {
-  return std::clamp(std::floor(double{sample} + 0.5), 0.0, 255.0);
+  return static_cast<double>(static_cast<int>(std::clamp(double{sample}, 0.0, 255.0) + 0.5));
 }
 
 RowSums sum_row(std::span<const float> a, std::span<const float> b, int channels, int colours) {
@@ -79,42 +79,60 @@ std::vector<double> window(int available) {
   return weights;
 }
 
-/// Weighted local sums of x, y, x^2, y^2 and xy.
+/// Weighted local sums of x, y, x^2, y^2 and xy, each along a row.
 constexpr std::size_t kMoments = 5;
+
+struct MomentRows {
+  explicit MomentRows(std::size_t width) : length(width), values(kMoments * width, 0.0) {}
+  double* operator[](std::size_t k) { return values.data() + k * length; }
+
+  std::size_t length;
+  std::vector<double> values;
+};
 
 /// Mean SSIM of one row of windows: the vertical sums of kMoments products first, then the horizontal ones.
 double ssim_row(const Plane& a, const Plane& b, int top, const std::vector<double>& vertical,
                 const std::vector<double>& horizontal) {
   const auto width = std::size_t(a.width);
-  std::vector<double> columns(kMoments * width, 0.0);
+  MomentRows columns(width);
+  double* sum_a = columns[0];
+  double* sum_b = columns[1];
+  double* sum_aa = columns[2];
+  double* sum_bb = columns[3];
+  double* sum_ab = columns[4];
   for (std::size_t j = 0; j < vertical.size(); ++j) {
     const double* p = a.row(top + int(j));
     const double* q = b.row(top + int(j));
     for (std::size_t x = 0; x < width; ++x) {
-      double* sums = columns.data() + kMoments * x;
       const double wp = vertical[j] * p[x];
       const double wq = vertical[j] * q[x];
-      sums[0] += wp;
-      sums[1] += wq;
-      sums[2] += wp * p[x];
-      sums[3] += wq * q[x];
-      sums[4] += wp * q[x];
+      sum_a[x] += wp;
+      sum_b[x] += wq;
+      sum_aa[x] += wp * p[x];
+      sum_bb[x] += wq * q[x];
+      sum_ab[x] += wp * q[x];
+    }
+  }
+  const std::size_t windows = width - horizontal.size() + 1;
+  MomentRows m(windows);
+  for (std::size_t k = 0; k < kMoments; ++k) {
+    double* sums = m[k];
+    for (std::size_t i = 0; i < horizontal.size(); ++i) {
+      const double* from = columns[k] + i;
+      const double weight = horizontal[i];
+      for (std::size_t x = 0; x < windows; ++x) sums[x] += weight * from[x];
     }
   }
   constexpr double kC1 = (0.01 * 255) * (0.01 * 255);
   constexpr double kC2 = (0.03 * 255) * (0.03 * 255);
-  const std::size_t windows = width - horizontal.size() + 1;
   double sum = 0;
   for (std::size_t x = 0; x < windows; ++x) {
-    double m[kMoments] = {};
-    for (std::size_t i = 0; i < horizontal.size(); ++i) {
-      const double* sums = columns.data() + kMoments * (x + i);
-      for (std::size_t k = 0; k < kMoments; ++k) m[k] += horizontal[i] * sums[k];
-    }
-    const double covariance = m[4] - m[0] * m[1];
-    const double variances = (m[2] - m[0] * m[0]) + (m[3] - m[1] * m[1]);
-    sum += (2 * m[0] * m[1] + kC1) * (2 * covariance + kC2) /
-           ((m[0] * m[0] + m[1] * m[1] + kC1) * (variances + kC2));
+    const double mean_a = m[0][x];
+    const double mean_b = m[1][x];
+    const double covariance = m[4][x] - mean_a * mean_b;
+    const double variances = (m[2][x] - mean_a * mean_a) + (m[3][x] - mean_b * mean_b);
+    sum += (2 * mean_a * mean_b + kC1) * (2 * covariance + kC2) /
+           ((mean_a * mean_a + mean_b * mean_b + kC1) * (variances + kC2));
   }
   return sum / double(windows);
 }

@@ -31,10 +31,10 @@ image::Image temporal_target(const image::Image& picture, std::span<const float>
       float dx = motion.flow.backward.xy[2 * i];
       float dy = motion.flow.backward.xy[2 * i + 1];
       if (std::abs(dx) < kStill && std::abs(dy) < kStill) dx = dy = 0;
-      const float px = static_cast<float>(x) + dx;
-      const float py = static_cast<float>(row) + dy;
-      const int x0 = static_cast<int>(std::floor(px));
-      const int y0 = static_cast<int>(std::floor(py));
+      const float px = std::clamp(static_cast<float>(x) + dx, 0.0F, static_cast<float>(width - 1));
+      const float py = std::clamp(static_cast<float>(row) + dy, 0.0F, static_cast<float>(height - 1));
+      const int x0 = static_cast<int>(px);
+      const int y0 = static_cast<int>(py);
       const float fx = px - static_cast<float>(x0);
       const float fy = py - static_cast<float>(y0);
       const std::size_t from[4] = {at(x0, y0), at(x0 + 1, y0), at(x0, y0 + 1), at(x0 + 1, y0 + 1)};
