@@ -108,7 +108,7 @@ void sizes(benchmark::internal::Benchmark* bench) {
 }
 
 void sizes_and_efforts(benchmark::internal::Benchmark* bench) {
-  for (const int effort : {0, 1, 2}) bench->Args({352, 288, effort})->Args({640, 360, effort});
+  for (const int effort : {0, 1, 2, 3}) bench->Args({352, 288, effort})->Args({640, 360, effort});
   bench->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 

@@ -18,10 +18,23 @@ int preset(FlowOptions::Effort effort) {
       return cv::DISOpticalFlow::PRESET_ULTRAFAST;
     case FlowOptions::Effort::kFast:
       return cv::DISOpticalFlow::PRESET_FAST;
-    case FlowOptions::Effort::kMedium:
-      break;
+    default:
+      return cv::DISOpticalFlow::PRESET_MEDIUM;
   }
-  return cv::DISOpticalFlow::PRESET_MEDIUM;
+}
+
+cv::Ptr<cv::DISOpticalFlow> make_search(FlowOptions::Effort effort) {
+  const cv::Ptr<cv::DISOpticalFlow> search = cv::DISOpticalFlow::create(preset(effort));
+  // Spatial propagation is what keeps stripes of patches, and with them the bits, the same for any number of
+  // threads; it is the default of all presets.
+  search->setUseSpatialPropagation(true);
+  if (effort == FlowOptions::Effort::kExact) {
+    // Half of the size is what makes the flow exact; the rest of the preset hardly matters to knots.
+    search->setPatchStride(4);
+    search->setGradientDescentIterations(8);
+    search->setVariationalRefinementIterations(2);
+  }
+  return search;
 }
 
 /// The picture itself if it is large enough, else a copy that is continued to the right and below.
@@ -40,12 +53,8 @@ cv::Mat large_enough(const Luma& luma) {
 
 Flow find_flow(const Luma& from, const Luma& to, const FlowOptions& options) {
   check_sizes(from, to);
-  const cv::Ptr<cv::DISOpticalFlow> search = cv::DISOpticalFlow::create(preset(options.effort));
-  // Spatial propagation is what keeps stripes of patches, and with them the bits, the same for any number of
-  // threads; it is the default of all presets.
-  search->setUseSpatialPropagation(true);
   cv::Mat found;
-  search->calc(large_enough(from), large_enough(to), found);
+  make_search(options.effort)->calc(large_enough(from), large_enough(to), found);
   Flow flow{from.width, from.height, std::vector<float>(2 * from.v.size())};
   const std::size_t row = 2 * std::size_t(from.width);
   for (int y = 0; y < from.height; ++y) {

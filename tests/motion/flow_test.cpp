@@ -66,7 +66,8 @@ TEST_P(EveryEffort, FindsARotation) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Efforts, EveryEffort,
-                         ::testing::Values(Effort::kUltrafast, Effort::kFast, Effort::kMedium));
+                         ::testing::Values(Effort::kUltrafast, Effort::kFast, Effort::kExact,
+                                           Effort::kMedium));
 
 TEST(FindFlow, AnySizeWillDo) {
   for (const auto& [width, height] : {std::pair{1, 1}, {1, 50}, {7, 5}, {31, 33}, {300, 2}}) {

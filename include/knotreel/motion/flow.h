@@ -29,6 +29,7 @@ struct FlowOptions {
   enum class Effort {
     kUltrafast,  ///< patches only, on a quarter of the size; 0.1 to 0.2
     kFast,       ///< and a variational refinement there: twice the time; 0.1
+    kExact,      ///< on half of the size, with few steps: two to three times the time of kFast; below 0.1
     kMedium,     ///< on half of the size, denser patches: five times the time of kFast; 0.02 to 0.06
   };
   Effort effort = Effort::kFast;
