@@ -262,6 +262,16 @@ EditableMesh::Edge EditableMesh::flip(Edge e) {
   return {f, 1};
 }
 
+void EditableMesh::make_segment(KnotIndex a, KnotIndex b) {
+  const Edge e = edge_between(a, b);
+  const Edge m = mirror(e);
+  const auto segment = static_cast<std::uint32_t>(segments_.size());
+  segments_.push_back({{a, b}});
+  segments_of_[e.face][static_cast<std::size_t>(e.side)] = segment;
+  segments_of_[m.face][static_cast<std::size_t>(m.side)] = segment;
+  for (const KnotIndex k : {a, b}) knots_[k].kind = KnotKind::kVertex;
+}
+
 void EditableMesh::legalise_around(KnotIndex k) {
   std::vector<FaceIndex> open;
   faces_around(k, open);

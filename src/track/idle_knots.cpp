@@ -65,17 +65,19 @@ std::vector<Candidate> by_cost(const EditableMesh& mesh, const knots::Target& ta
 }  // namespace
 
 std::size_t remove_idle_knots(EditableMesh& mesh, const knots::Target& target,
-                              std::span<const float> squared_errors, const SwapOptions& options) {
+                              std::span<const float> squared_errors, const SwapOptions& options,
+                              std::size_t surplus) {
   std::vector<double> gains = face_errors(mesh, squared_errors, target.image().width, target.image().height);
   std::sort(gains.rbegin(), gains.rend());
   const std::vector<Candidate> candidates = by_cost(mesh, target);
-  const auto most = static_cast<std::size_t>(options.share * static_cast<double>(mesh.knot_count()));
+  const auto most =
+      std::max(surplus, static_cast<std::size_t>(options.share * static_cast<double>(mesh.knot_count())));
   std::vector<bool> touched(mesh.knot_slots(), false);  // costs around removed knots are out of date
   std::vector<FaceIndex> ring;
   std::size_t removed = 0;
   for (const Candidate& c : candidates) {
     if (removed == most || removed == gains.size()) break;
-    if (0.5 * gains[removed] < options.ratio * c.cost) break;
+    if (removed >= surplus && 0.5 * gains[removed] < options.ratio * c.cost) break;
     if (touched[c.knot]) continue;
     mesh.faces_around(c.knot, ring);
     for (const FaceIndex f : ring) {

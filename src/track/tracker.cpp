@@ -11,10 +11,12 @@
 #include "knotreel/fit/descend.h"
 #include "knotreel/fit/knot_gradient.h"
 #include "knotreel/knots/refine.h"
+#include "knotreel/mesh/insert_polylines.h"
 #include "knotreel/motion/still.h"
 #include "knotreel/track/group_rule.h"
 #include "knotreel/track/idle_knots.h"
 #include "track/bend_geometry.h"
+#include "track/births.h"
 #include "track/carried_geometry.h"
 #include "track/carried_links.h"
 #include "track/cold_frame.h"
@@ -24,6 +26,7 @@
 #include "track/settle.h"
 #include "track/snap.h"
 #include "track/temporal_target.h"
+#include "vectorize/feature_budget.h"
 
 namespace knotreel::track {
 
@@ -43,6 +46,9 @@ const char* to_string(Start start) {
 }
 
 namespace {
+
+constexpr double kFunctionsPerPixel = 0.5;  // of features, about
+constexpr double kLeastShare = 0.25;        // of what features may use, that a group without any may come to
 
 using mesh::EditableMesh;
 using mesh::KnotIndex;
@@ -151,6 +157,8 @@ class Tracker::Impl {
     measure();
     group_psnr_ = report_->psnr;
     group_functions_ = space_->function_count();
+    group_features_ = feature_length(space_->mesh());
+    since_births_ = 0;
     next_id_ = EditableMesh(space_->mesh()).next_id();
     settling_.clear();
     last_psnr_ = report_->psnr;
@@ -231,7 +239,8 @@ class Tracker::Impl {
   /// Bends the geometry to the edges, if the curves miss them by too much.
   void bend_curves(const motion::Luma& now) {
     const EdgePoints edges = find_edge_points(*basis_, displacement_, now);
-    if (edges.rms <= options_.curve_error) return;
+    if (edges.rms <= options_.curve_error && !has_new_features_) return;
+    has_new_features_ = false;
     bend_geometry(*basis_, edges.points, displacement_);
     fit::unfold_geometry(*basis_, displacement_);
     lap("geometry");
@@ -287,34 +296,61 @@ class Tracker::Impl {
       }
     }
     lap("settle");
-    refill(picture, errors, urgent);
+    EditableMesh mesh(next_mesh_, next_id_);
+    const double functions_before = vectorize::expected_functions(mesh, cold_.degree);
+    std::vector<KnotIndex> born;
+    if (!urgent) born = add_features(picture, errors, mesh);
+    lap("births");
+    refill(picture, errors, urgent, mesh, born,
+           vectorize::expected_functions(mesh, cold_.degree) - functions_before);
     lap("refill");
   }
 
+  /// Features that the model lacks, where ones that got lost since the group began leave room for them.
+  /// @return their knots.
+  std::vector<KnotIndex> add_features(const image::Image& picture, std::span<const float> errors,
+                                      EditableMesh& mesh) {
+    std::vector<KnotIndex> born;
+    if (!cold_.features || options_.birth_interval < 1 || ++since_births_ < options_.birth_interval)
+      return born;
+    since_births_ = 0;
+    const double least = kLeastShare * cold_.feature_share * static_cast<double>(group_functions_);
+    const double room =
+        std::max(least / kFunctionsPerPixel, group_features_) - feature_length(space_->mesh());
+    const auto lines =
+        missing_features(*basis_, displacement_, seen_, picture, errors, cold_.detect, room, options_.birth);
+    for (const std::vector<KnotIndex>& knots : mesh::insert_polylines(mesh, lines)) {
+      born.insert(born.end(), knots.begin(), knots.end());
+      report_->features_born += knots.empty() ? 0 : 1;
+    }
+    has_new_features_ = !born.empty();
+    return born;
+  }
+
   /// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.
-  void refill(const image::Image& picture, std::span<const float> errors, bool urgent) {
+  void refill(const image::Image& picture, std::span<const float> errors, bool urgent, EditableMesh& mesh,
+              const std::vector<KnotIndex>& born, double born_functions) {
     if (!target_) target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
     const double functions = static_cast<double>(space_->function_count());
     const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
-    const double missing = (static_cast<double>(group_functions_) - functions) / per_knot;
-    EditableMesh mesh(next_mesh_, next_id_);
+    const double missing = (static_cast<double>(group_functions_) - functions - born_functions) / per_knot;
     const std::size_t removed =
-        remove_idle_knots(mesh, *target_, errors, urgent ? options_.urgent_swap : options_.swap);
+        remove_idle_knots(mesh, *target_, errors, urgent ? options_.urgent_swap : options_.swap,
+                          born.empty() ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
     report_->swapped += removed;
-    const double wanted = missing + static_cast<double>(removed);
-    if (wanted < 1 && removed == 0) return;
     knots::RefineOptions refine;
-    refine.max_knots = static_cast<std::size_t>(std::max(0.0, wanted));
+    refine.max_knots = static_cast<std::size_t>(std::max(0.0, missing + static_cast<double>(removed)));
     refine.min_distance = options_.carry.min_distance;
-    const auto inserted =
+    std::vector<KnotIndex> fresh =
         knots::refine_knots(mesh, errors, seen_.places, picture.width, picture.height, refine);
+    report_->inserted += fresh.size();
+    fresh.insert(fresh.end(), born.begin(), born.end());
     next_id_ = mesh.next_id();
-    report_->inserted += inserted.size();
-    if (!inserted.empty() && options_.optimise_inserted) {
+    if (!fresh.empty() && options_.optimise_inserted) {
       // More rings would disturb knots that have settled: more flicker and bytes for the same error.
       knots::OptimiseOptions local = cold_.optimise;
       local.rounds = 1;
-      knots::optimise(mesh, *target_, local, knots::rings_around(mesh, inserted, 1));
+      knots::optimise(mesh, *target_, local, knots::rings_around(mesh, fresh, 1));
     }
     next_mesh_ = mesh.to_mesh();
   }
@@ -368,6 +404,9 @@ class Tracker::Impl {
   double last_psnr_ = 0;
   double last_mec_ = 0;
   std::size_t group_functions_ = 0;
+  double group_features_ = 0;      ///< length of the feature polylines at its start, pixels
+  int since_births_ = 0;           ///< frames
+  bool has_new_features_ = false;  ///< that were never bent to their edges
 };
 
 Tracker::Tracker(const vectorize::Options& cold, const TrackOptions& options)

@@ -24,27 +24,6 @@ std::size_t chain_pixels(const features::FeatureChains& chains) {
   return pixels;
 }
 
-/// Mean over the points of a chain of the largest range of a channel within some pixels.
-double mean_range(const image::Image& picture, const features::Chain& chain, int radius) {
-  double sum = 0;
-  for (const features::ChainPoint& p : chain.points) {
-    float range = 0;
-    for (int c = 0; c < picture.channels; ++c) {
-      float low = picture.at(p.x, p.y, c);
-      float high = low;
-      for (int y = std::max(0, p.y - radius); y <= std::min(picture.height - 1, p.y + radius); ++y) {
-        for (int x = std::max(0, p.x - radius); x <= std::min(picture.width - 1, p.x + radius); ++x) {
-          low = std::min(low, picture.at(x, y, c));
-          high = std::max(high, picture.at(x, y, c));
-        }
-      }
-      range = std::max(range, high - low);
-    }
-    sum += static_cast<double>(range);
-  }
-  return sum / static_cast<double>(chain.points.size());
-}
-
 struct RankedChain {
   double contrast = 0;  ///< levels
   bool weak = false;
@@ -80,6 +59,26 @@ bool keep_strongest(const image::Image& picture, double share, bool weak_only,
 }
 
 }  // namespace
+
+double mean_range(const image::Image& picture, const features::Chain& chain, int radius) {
+  double sum = 0;
+  for (const features::ChainPoint& p : chain.points) {
+    float range = 0;
+    for (int c = 0; c < picture.channels; ++c) {
+      float low = picture.at(p.x, p.y, c);
+      float high = low;
+      for (int y = std::max(0, p.y - radius); y <= std::min(picture.height - 1, p.y + radius); ++y) {
+        for (int x = std::max(0, p.x - radius); x <= std::min(picture.width - 1, p.x + radius); ++x) {
+          low = std::min(low, picture.at(x, y, c));
+          high = std::max(high, picture.at(x, y, c));
+        }
+      }
+      range = std::max(range, high - low);
+    }
+    sum += static_cast<double>(range);
+  }
+  return sum / static_cast<double>(chain.points.size());
+}
 
 double expected_functions(const mesh::EditableMesh& mesh, int degree) {
   std::size_t inner = 0;

@@ -12,6 +12,9 @@ double expected_functions(const mesh::EditableMesh& mesh, int degree);
 /// Control points that features will cost, before they are parametrized: about.
 double expected_functions(const features::FeatureChains& chains);
 
+/// Mean over the points of a chain of the largest range of a channel within some pixels, levels.
+double mean_range(const image::Image& picture, const features::Chain& chain, int radius);
+
 /// Drops feature chains that cost more control points than features may use up, before any knot is put
 /// between them: those of least contrast, and first of all weak ones, which the smooth surface can stand in
 /// for.

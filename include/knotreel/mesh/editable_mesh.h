@@ -80,6 +80,9 @@ class EditableMesh {
   bool can_flip(Edge e) const;
   /// Flips an edge that can_flip(). Afterwards it is the edge between the same two faces; the one returned.
   Edge flip(Edge e);
+  /// Makes an edge off the border and off the features a feature segment; its ends become kVertex knots.
+  /// @param a, b neighbours, of kind kFree or kVertex.
+  void make_segment(KnotIndex a, KnotIndex b);
   /// Flips edges until all that may be flipped near the knot are locally Delaunay again (Lawson), after its
   /// insertion into a mesh that was.
   void legalise_around(KnotIndex k);

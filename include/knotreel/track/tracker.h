@@ -9,6 +9,7 @@
 
 #include "knotreel/document/frame_model.h"
 #include "knotreel/image/image.h"
+#include "knotreel/track/birth_options.h"
 #include "knotreel/track/carry_mesh.h"
 #include "knotreel/track/cold_frame.h"
 #include "knotreel/track/idle_knots.h"
@@ -36,7 +37,9 @@ struct TrackOptions {
   /// When a frame is worse than the one before by this, knots are put where the error is at once rather than
   /// for the next frame; dB.
   double repair_below = 0.4;
-  int most_repairs = 2;  ///< of one frame
+  int most_repairs = 2;    ///< of one frame
+  int birth_interval = 8;  ///< frames between looks for features that the model lacks; 0: none
+  BirthOptions birth{};
   SwapOptions urgent_swap{.ratio = 4, .share = 0.1};
 };
 
@@ -59,9 +62,10 @@ struct FrameReport {
   double psnr = 0;      ///< of the fit, dB
   double survival = 0;  ///< share of the knots of the frame before that are in this one, 0 to 1
   CarryReport carry;
-  std::size_t swapped = 0;   ///< knots taken away where they were idle
-  int repairs = 0;           ///< further fits, because the frame was worse than the one before
-  std::size_t inserted = 0;  ///< for those that were lost and swapped
+  std::size_t swapped = 0;        ///< knots taken away where they were idle
+  std::size_t features_born = 0;  ///< feature polylines that were added for the frame after
+  int repairs = 0;                ///< further fits, because the frame was worse than the one before
+  std::size_t inserted = 0;       ///< for those that were lost and swapped
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };
 

@@ -1,0 +1,110 @@
+#include "track/births.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "knotreel/mesh/insert_polylines.h"
+#include "knotreel/track/tracker.h"
+#include "track/cold_frame.h"
+#include "track/edge_picture.h"
+
+namespace knotreel::track {
+namespace {
+
+image::Image flat() {
+  image::Image image = image::make_image(96, 64, 1);
+  std::fill(image.samples.begin(), image.samples.end(), 90.0F);
+  return image;
+}
+
+/// What a smooth surface misses: the steep places.
+std::vector<float> misses(const image::Image& picture) {
+  std::vector<float> errors(picture.samples.size(), 0.1F);
+  for (std::size_t i = 1; i < errors.size(); ++i) {
+    const float d = picture.samples[i] - picture.samples[i - 1];
+    errors[i] += d * d;
+  }
+  return errors;
+}
+
+/// Features of a picture that the model of another one lacks.
+std::vector<std::vector<Vec2>> missing(const image::Image& modelled, const image::Image& picture,
+                                       double most_length = 1000) {
+  const vectorize::Options options;
+  const auto cold = make_cold_frame(modelled, options);
+  return missing_features(*cold->basis, cold->displacement, cold->placed, picture, misses(picture),
+                          options.detect, most_length);
+}
+
+TEST(Births, AnEdgeThatTheModelLacksIsFound) {
+  const auto lines = missing(flat(), edge_at(48));
+  ASSERT_EQ(lines.size(), 1U);
+  for (const Vec2 p : lines[0]) EXPECT_NEAR(p.x + 0.3 * (p.y - 32), 48, 0.5);
+  EXPECT_GT(norm(lines[0].back() - lines[0].front()), 40);
+}
+
+TEST(Births, AnEdgeThatTheModelHasIsNotFoundAgain) {
+  EXPECT_TRUE(missing(edge_at(48), edge_at(48)).empty());
+  EXPECT_TRUE(missing(edge_at(48), edge_at(50)).empty());
+  EXPECT_FALSE(missing(edge_at(30), edge_at(60)).empty());
+}
+
+TEST(Births, WeakEdgesAndThoseWithoutRoomAreLeft) {
+  image::Image weak = edge_at(48);
+  for (float& v : weak.samples) v = 90 + 0.2F * (v - 90);
+  EXPECT_TRUE(missing(flat(), weak).empty());
+  EXPECT_TRUE(missing(flat(), edge_at(48), 20).empty());
+}
+
+/// An edge over soft waves, which keep the knots busy.
+image::Image fading_in(float share) {
+  image::Image picture = edge_at(48);
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      float& v = picture.at(x, y, 0);
+      v = 90 + share * (v - 90) +
+          15 * std::sin(0.4F * static_cast<float>(x)) * std::cos(0.3F * static_cast<float>(y));
+    }
+  }
+  return picture;
+}
+
+TEST(Births, AFeatureThatComesIntoAGroupIsSharp) {
+  vectorize::Options options;
+  options.feature_share = 1;  // the picture is small
+  TrackOptions track;
+  track.birth_interval = 4;
+  track.drift = 100;
+  track.scene_threshold = 10;
+  Tracker tracker(options, track);
+  image::Image before;
+  FrameReport report;
+  std::size_t born = 0;
+  document::FrameModel model;
+  for (int i = 0; i < 16; ++i) {
+    const image::Image picture = fading_in(std::min(1.0F, static_cast<float>(i) / 6));
+    Motion motion;
+    if (i > 0) {
+      motion.before = std::make_shared<motion::Luma>(motion::luma_of(before));
+      motion.now = std::make_shared<motion::Luma>(motion::luma_of(picture));
+      motion.flow = motion::find_flow_pair(*motion.before, *motion.now, {});
+      motion.change = motion::measure_change(before, picture, *motion.before, *motion.now,
+                                             motion.flow.forward, motion.flow.consistent);
+    }
+    model = tracker.next(picture, i > 0 ? &motion : nullptr, &report);
+    ASSERT_EQ(report.start, i > 0 ? Start::kWarm : Start::kFirst) << i;
+    ASSERT_EQ(mesh::find_defect(model.space->mesh()), std::nullopt) << i;
+    EXPECT_TRUE(i > 0 || model.space->mesh().segments.empty());
+    born += report.features_born;
+    before = picture;
+  }
+  EXPECT_GE(born, 1U);
+  EXPECT_FALSE(model.space->mesh().segments.empty());
+  EXPECT_GT(report.psnr, 32);
+}
+
+}  // namespace
+}  // namespace knotreel::track
