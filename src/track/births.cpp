@@ -18,6 +18,7 @@ using features::Chain;
 using features::ChainPoint;
 
 constexpr double kCurveSpacing = 1.5;    // of points on feature curves, pixels
+constexpr double kMostCrowded = 0.25;    // of a curve that has another one beside it
 constexpr std::size_t kRingOpening = 6;  // points left out of a closed chain, whose ends must not touch
 
 /// Pixels that are near a curve.
@@ -141,6 +142,48 @@ std::vector<Vec2> curve_points(const spline::Basis& basis, std::span<const Vec2>
   return fit::image_points(basis, displacement, std::move(points));
 }
 
+/// Where the points of all chains are.
+class ChainMap {
+ public:
+  explicit ChainMap(const features::FeatureChains& chains)
+      : width_(chains.width), height_(chains.height), at_(std::size_t(width_) * std::size_t(height_)) {
+    for (std::size_t c = 0; c < chains.chains.size(); ++c) {
+      const std::vector<ChainPoint>& points = chains.chains[c].points;
+      for (std::size_t i = 0; i < points.size(); ++i) place(points[i].x, points[i].y) = {c + 1, i};
+    }
+  }
+
+  /// Share of the points of a run of chain c that have another chain, or another part of the same, within
+  /// reach.
+  double share_beside_others(std::size_t c, const Chain& run, int reach) const {
+    const auto crowded = [&](const ChainPoint& p) {
+      const Mark& own = place(p.x, p.y);
+      for (int y = std::max(0, p.y - reach); y <= std::min(height_ - 1, p.y + reach); ++y) {
+        for (int x = std::max(0, p.x - reach); x <= std::min(width_ - 1, p.x + reach); ++x) {
+          const Mark& m = place(x, y);
+          const std::size_t apart = m.index > own.index ? m.index - own.index : own.index - m.index;
+          if (m.chain != 0 && (m.chain != c + 1 || apart > std::size_t(4 * reach))) return true;
+        }
+      }
+      return false;
+    };
+    return static_cast<double>(std::count_if(run.points.begin(), run.points.end(), crowded)) /
+           static_cast<double>(run.points.size());
+  }
+
+ private:
+  struct Mark {
+    std::size_t chain = 0;  ///< plus one; 0: none
+    std::size_t index = 0;  ///< in the chain
+  };
+  Mark& place(int x, int y) { return at_[std::size_t(y) * std::size_t(width_) + std::size_t(x)]; }
+  const Mark& place(int x, int y) const { return at_[std::size_t(y) * std::size_t(width_) + std::size_t(x)]; }
+
+  int width_;
+  int height_;
+  std::vector<Mark> at_;
+};
+
 struct MissedChain {
   double error;
   Chain chain;
@@ -153,10 +196,12 @@ std::vector<MissedChain> missed_chains(const features::FeatureChains& chains, co
   const double mean = std::accumulate(squared_errors.begin(), squared_errors.end(), 0.0) /
                       static_cast<double>(squared_errors.size());
   std::vector<MissedChain> missed;
-  for (const Chain& c : chains.chains) {
-    for (Chain& run : free_runs(c, taken, options.min_length)) {
+  const ChainMap map(chains);
+  for (std::size_t c = 0; c < chains.chains.size(); ++c) {
+    for (Chain& run : free_runs(chains.chains[c], taken, options.min_length)) {
       const double error = mean_beside(squared_errors, picture.width, run);
       if (error < options.error * mean || vectorize::mean_range(picture, run, 1) < options.contrast) continue;
+      if (map.share_beside_others(c, run, options.apart) > kMostCrowded) continue;
       missed.push_back({error, std::move(run)});
     }
   }

@@ -27,6 +27,19 @@ std::vector<double> shortest_edges(const mesh::KnotMesh& mesh) {
 
 }  // namespace
 
+std::vector<std::uint8_t> Settling::awake(const mesh::KnotMesh& mesh) const {
+  std::vector<std::uint8_t> result(mesh.knots.size(), 1);
+  for (std::size_t k = 0; k < result.size(); ++k) {
+    const auto known = steps_.find(static_cast<std::uint32_t>(mesh.knots[k].id));
+    result[k] = known == steps_.end() || known->second.nap == 0;
+  }
+  return result;
+}
+
+void Settling::wake() {
+  for (auto& [id, step] : steps_) step.nap = 0;
+}
+
 std::vector<Vec2> Settling::moves(const mesh::KnotMesh& mesh, const std::vector<Vec2>& gradient,
                                   double error) {
   const std::vector<double> shortest = shortest_edges(mesh);
@@ -34,19 +47,27 @@ std::vector<Vec2> Settling::moves(const mesh::KnotMesh& mesh, const std::vector<
   const double least_gain = options_.least_gain * error / static_cast<double>(gradient.size());
   std::vector<Vec2> result(gradient.size());
   for (std::size_t k = 0; k < gradient.size(); ++k) {
-    const double size = norm(gradient[k]);
-    if (!(size > 0)) continue;
     const auto id = static_cast<std::uint32_t>(mesh.knots[k].id);
     const auto known = steps_.find(id);
+    if (known != steps_.end() && known->second.nap > 0) {
+      --known->second.nap;
+      steps.insert(*known);
+      continue;
+    }
+    const double size = norm(gradient[k]);
+    if (!(size > 0)) continue;
     Step step = known != steps_.end() ? known->second : Step{options_.first_step * shortest[k], {}};
     const Vec2 direction = (-1 / size) * gradient[k];
     const double turn = dot(direction, step.direction);
     step.length *= turn > 0.5 ? kGrow : turn < 0 ? kShrink : 1.0;
     step.length = std::min(step.length, kLongest * shortest[k]);
     step.direction = direction;
+    if (size * step.length >= least_gain && step.length >= options_.least) {
+      result[k] = step.length * direction;
+    } else {
+      step.nap = options_.nap;
+    }
     steps.emplace(id, step);
-    const bool worth_it = size * step.length >= least_gain;
-    if (worth_it && step.length >= options_.least) result[k] = step.length * direction;
   }
   steps_ = std::move(steps);
   return result;

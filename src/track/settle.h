@@ -13,6 +13,7 @@ struct SettleOptions {
   double least = 0.03;      ///< pixels; a knot whose steps got shorter has settled and rests
   /// So does one whose step would mend a smaller share of the mean error per knot: it would only flicker.
   double least_gain = 0.04;
+  int nap = 2;  ///< frames for which a knot that rests is not even looked at
 };
 
 /// Steps of knots against the gradient of the error, one per frame: each grows while its direction stays and
@@ -21,9 +22,15 @@ class Settling {
  public:
   explicit Settling(const SettleOptions& options) : options_(options) {}
 
+  /// Knots whose gradient moves() wants to see: 1, all others: 0.
+  std::vector<std::uint8_t> awake(const mesh::KnotMesh& mesh) const;
+
   /// @param gradient of the squared error by knot. @param error the squared error, of the whole picture.
   /// @return moves by knot, pixels.
   std::vector<Vec2> moves(const mesh::KnotMesh& mesh, const std::vector<Vec2>& gradient, double error);
+
+  /// Ends all naps: the error has risen.
+  void wake();
 
   void clear() { steps_.clear(); }
 
@@ -31,6 +38,7 @@ class Settling {
   struct Step {
     double length = 0;
     Vec2 direction;
+    int nap = 0;  ///< frames left
   };
   SettleOptions options_;
   std::unordered_map<std::uint32_t, Step> steps_;

@@ -287,9 +287,10 @@ class Tracker::Impl {
     if (!options_.warm_start) return;
     const std::vector<float> errors = squared_errors();
     if (options_.settle) {
-      std::vector<Vec2> moves =
-          settling_.moves(next_mesh_, fit::knot_gradient(*basis_, seen_.view(), colours_),
-                          std::accumulate(errors.begin(), errors.end(), 0.0));
+      if (urgent) settling_.wake();
+      std::vector<Vec2> moves = settling_.moves(
+          next_mesh_, fit::knot_gradient(*basis_, seen_.view(), colours_, settling_.awake(next_mesh_)),
+          std::accumulate(errors.begin(), errors.end(), 0.0));
       fit::limit_moves(*space_, options_.carry.min_distance, moves);
       for (std::size_t k = 0; k < moves.size(); ++k) {
         next_mesh_.knots[k].position = next_mesh_.knots[k].position + moves[k];
