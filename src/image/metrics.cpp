@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "base/multiversion.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 
@@ -91,6 +92,7 @@ struct MomentRows {
 };
 
 /// Mean SSIM of one row of windows: the vertical sums of kMoments products first, then the horizontal ones.
+KNOTREEL_MULTIVERSION
 double ssim_row(const Plane& a, const Plane& b, int top, const std::vector<double>& vertical,
                 const std::vector<double>& horizontal) {
   const auto width = std::size_t(a.width);

@@ -16,6 +16,8 @@ namespace {
 std::unique_ptr<track::Motion> motion_between(const image::Image& before, const image::Image& now,
                                               const motion::FlowOptions& options) {
   auto motion = std::make_unique<track::Motion>();
+  motion->repeated = before.samples == now.samples;
+  if (motion->repeated) return motion;
   motion->before = std::make_shared<const motion::Luma>(motion::luma_of(before));
   motion->now = std::make_shared<const motion::Luma>(motion::luma_of(now));
   motion->flow = motion::find_flow_pair(*motion->before, *motion->now, options);

@@ -110,7 +110,11 @@ class Tracker::Impl {
     report = {};
     clock_ = std::chrono::steady_clock::now();
     report.start = groups_.next(motion);
-    if (report.start == Start::kWarm) {
+    if (report.start == Start::kWarm && motion->repeated) {
+      report.survival = 1;
+      report.psnr = last_psnr_;
+      report.mec = last_mec_;
+    } else if (report.start == Start::kWarm) {
       make_warm(picture, *motion);
       cold = has_drifted() ? better_cold_frame(picture) : nullptr;
       if (cold) {

@@ -138,6 +138,35 @@ TEST_F(PipelineRun, FramesKeepTheirNumberTimesAndOrder) {
   EXPECT_EQ(test::frame_times(job.video.path), times_);
 }
 
+TEST_F(PipelineRun, RepeatedFramesCostNextToNothing) {
+  const std::string clip = path("repeats.mkv");
+  video::StreamInfo info;
+  info.width = 64;
+  info.height = 48;
+  info.time_base = {1, 25};
+  info.frame_rate = {25, 1};
+  video::WriteOptions lossless;
+  lossless.codec = "ffv1";
+  video::VideoWriter writer = video::VideoWriter::create(clip, info, lossless);
+  for (int i = 0; i < 12; ++i) writer.write(test::moving_picture(64, 48, 3, i / 4), i, 1);
+  writer.finish();
+  video::VideoReader reader = video::VideoReader::open(clip);
+  Job job = job_of(reader);
+  std::vector<FrameRow> rows;
+  job.document = path("repeats.tcb");
+  job.on_frame = [&](const FrameRow& row) { rows.push_back(row); };
+  run_graph(job);
+  ASSERT_EQ(rows.size(), 12U);
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    if (i % 4 == 0) continue;
+    EXPECT_EQ(rows[i].start, "warm");
+    EXPECT_TRUE(rows[i].model_milliseconds.empty()) << "stages were run for frame " << i;
+    if (i == 1) continue;  // deltas are coarser than the keyframe
+    EXPECT_EQ(rows[i].psnr, rows[i - 1].psnr) << i;
+    EXPECT_LT(rows[i].bytes, rows[4].bytes / 2) << i;
+  }
+}
+
 TEST_F(PipelineRun, ADocumentGivesTheVideoBack) {
   document_of(run_graph, "clip.tcb");
   document::Reader document = document::Reader::open(path("clip.tcb"));

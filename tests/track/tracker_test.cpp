@@ -72,14 +72,49 @@ std::vector<image::Image> moving(int frames) {
 
 TEST(Tracker, FramesAreWarmAndGood) {
   const Tracked run = track(moving(6), {});
+  TrackOptions anew;
+  anew.warm_start = false;
+  const Tracked cold = track(moving(6), anew);
   EXPECT_EQ(run.reports[0].start, Start::kFirst);
+  double warm_error = 0;
+  double cold_error = 0;
   for (std::size_t i = 1; i < run.reports.size(); ++i) {
     EXPECT_EQ(run.reports[i].start, Start::kWarm) << i;
     EXPECT_FALSE(run.models[i].keyframe);
-    EXPECT_LT(run.reports[i].mec, 1) << i;
+    warm_error += run.reports[i].mec;
+    cold_error += cold.reports[i].mec;
     EXPECT_GT(run.reports[i].survival, 0.8) << i;
     EXPECT_NEAR(double(run.reports[i].control_points), double(run.reports[0].control_points),
                 0.15 * double(run.reports[0].control_points));
+  }
+  EXPECT_LT(warm_error, 1.2 * cold_error);
+}
+
+TEST(Tracker, ARepeatedPictureKeepsItsModel) {
+  const std::vector<image::Image> pictures = moving(4);
+  vectorize::Options cold;
+  cold.max_control_points = 400;
+  Tracker plain(cold, {});
+  Tracker repeating(cold, {});
+  Motion repeated;
+  repeated.repeated = true;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const Motion m = i > 0 ? motion_between(pictures[i - 1], pictures[i]) : Motion();
+    const Motion* motion = i > 0 ? &m : nullptr;
+    FrameReport report;
+    const document::FrameModel expected = plain.next(pictures[i], motion);
+    const document::FrameModel model = repeating.next(pictures[i], motion, &report);
+    EXPECT_EQ(model.colour, expected.colour) << "what was repeated before has left something behind, " << i;
+    FrameReport again;
+    const document::FrameModel same = repeating.next(pictures[i], &repeated, &again);
+    EXPECT_EQ(same.space, model.space);
+    EXPECT_EQ(same.colour, model.colour);
+    EXPECT_EQ(same.displacement, model.displacement);
+    EXPECT_FALSE(same.keyframe);
+    EXPECT_EQ(again.start, Start::kWarm);
+    EXPECT_EQ(again.psnr, report.psnr);
+    EXPECT_EQ(again.survival, 1);
+    EXPECT_EQ(again.knots, report.knots);
   }
 }
 

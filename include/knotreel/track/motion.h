@@ -14,6 +14,7 @@ struct Motion {
   std::shared_ptr<const motion::Luma> now;
   motion::FlowPair flow;  ///< from the picture before to this one, and back
   motion::CutMeasure change;
+  bool repeated = false;  ///< the pictures are equal, bit for bit; the rest may be left empty
 };
 
 }  // namespace knotreel::track
