@@ -1,8 +1,7 @@
 #include "track/cold_frame.h"
 
 #include <chrono>
-
-#include "track/residual.h"
+#include <utility>
 
 namespace knotreel::track {
 namespace {
@@ -25,10 +24,14 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
   frame->colours.control = std::move(made.model.colour);
   frame->milliseconds.emplace_back("cold", milliseconds_since(start));
   const Clock::time_point fitted = Clock::now();
-  frame->basis = std::make_unique<const spline::Basis>(frame->space);
-  frame->placed = place_pixels(*frame->basis, frame->displacement, picture);
-  const fit::PixelValues values(*frame->basis, picture.width, picture.height, frame->placed.places);
-  frame->colours.residual = residual_of(frame->placed.picture, values, frame->colours.control);
+  frame->basis = std::move(made.fitted.basis);
+  frame->placed = placed_pixels(picture, frame->space->mesh(), std::move(made.fitted.places),
+                                std::move(made.fitted.crossed));
+  frame->colours.residual = std::move(made.fitted.surface);
+  std::vector<float>& residual = frame->colours.residual;
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    residual[i] = frame->placed.picture.samples[i] - residual[i];
+  }
   frame->milliseconds.emplace_back("measure", milliseconds_since(fitted));
   return frame;
 }

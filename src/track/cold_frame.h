@@ -15,7 +15,7 @@ namespace knotreel::track {
 struct ColdFrame {
   std::shared_ptr<const spline::SplineSpace> space;
   std::vector<Vec2> displacement;
-  std::unique_ptr<const spline::Basis> basis;  ///< of space
+  std::shared_ptr<const spline::Basis> basis;  ///< of space
   PlacedPixels placed;
   fit::ColourFit colours;                                    ///< the residual is that of placed
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order

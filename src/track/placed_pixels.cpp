@@ -1,6 +1,7 @@
 #include "track/placed_pixels.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/edge_colours.h"
@@ -112,18 +113,10 @@ void correct_near(const std::vector<std::uint8_t>& crossed, const spline::Basis&
 
 }  // namespace
 
-PlacedPixels place_pixels(const spline::Basis& basis, std::span<const Vec2> displacement,
-                          const image::Image& picture) {
-  PlacedPixels placed;
-  placed.picture = picture;
-  const mesh::KnotMesh& mesh = basis.space().mesh();
-  const bool identity =
-      std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; });
-  if (identity && mesh.segments.empty()) return placed;
-  const std::vector<std::uint8_t> crossed =
-      fit::crossed_pixels(basis, displacement, picture.width, picture.height);
-  placed.places = rough_places(basis, displacement, picture.width, picture.height);
-  correct_near(crossed, basis, displacement, picture.width, picture.height, placed.places);
+PlacedPixels placed_pixels(const image::Image& picture, const mesh::KnotMesh& mesh, std::vector<Vec2> places,
+                           std::span<const std::uint8_t> crossed) {
+  PlacedPixels placed{picture, {}, std::move(places)};
+  if (crossed.empty()) return placed;
   const std::vector<std::uint8_t> given =
       fit::clear_edge_colours(placed.picture, placed.places, crossed, mesh);
   placed.weights.resize(crossed.size());
@@ -131,6 +124,19 @@ PlacedPixels place_pixels(const spline::Basis& basis, std::span<const Vec2> disp
     placed.weights[i] = !crossed[i] ? 1.0F : given[i] ? fit::kEdgeWeight : 0.0F;
   }
   return placed;
+}
+
+PlacedPixels place_pixels(const spline::Basis& basis, std::span<const Vec2> displacement,
+                          const image::Image& picture) {
+  const mesh::KnotMesh& mesh = basis.space().mesh();
+  const bool identity =
+      std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; });
+  if (identity && mesh.segments.empty()) return placed_pixels(picture, mesh, {}, {});
+  const std::vector<std::uint8_t> crossed =
+      fit::crossed_pixels(basis, displacement, picture.width, picture.height);
+  std::vector<Vec2> places = rough_places(basis, displacement, picture.width, picture.height);
+  correct_near(crossed, basis, displacement, picture.width, picture.height, places);
+  return placed_pixels(picture, mesh, std::move(places), crossed);
 }
 
 }  // namespace knotreel::track

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -16,6 +17,12 @@ struct PlacedPixels {
   fit::Pixels view() const { return {.image = &picture, .weights = weights, .places = places}; }
 };
 
+/// A picture whose pixels have known places.
+/// @param mesh its segments are the features. @param crossed 1 for pixels that features cross; empty: none.
+PlacedPixels placed_pixels(const image::Image& picture, const mesh::KnotMesh& mesh, std::vector<Vec2> places,
+                           std::span<const std::uint8_t> crossed);
+
+/// The same for the geometry of a surface, within a few hundredths of a pixel.
 PlacedPixels place_pixels(const spline::Basis& basis, std::span<const Vec2> displacement,
                           const image::Image& picture);
 

@@ -236,7 +236,7 @@ class Tracker::Impl {
         links.space_over(std::move(mesh), cold_.degree, *target_));
     displacement_ = carried_displacement(*space_, displacement_, *space);
     space_ = std::move(space);
-    basis_ = std::make_unique<const spline::Basis>(space_);
+    basis_ = std::make_shared<const spline::Basis>(space_);
     lap("space");
   }
 
@@ -392,7 +392,7 @@ class Tracker::Impl {
   std::vector<Vec2> displacement_;
   PlacedPixels seen_;
   fit::ColourFit colours_;                      ///< the residual is that of seen_
-  std::unique_ptr<const spline::Basis> basis_;  ///< of space_
+  std::shared_ptr<const spline::Basis> basis_;  ///< of space_
   KnotMesh next_mesh_;
   struct {
     std::shared_ptr<const spline::SplineSpace> space;

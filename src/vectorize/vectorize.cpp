@@ -84,7 +84,7 @@ class Run {
     begin_round("final");
     finish();
     end_round();
-    return {std::move(model_), std::move(report_)};
+    return {std::move(model_), std::move(report_), fitted()};
   }
 
  private:
@@ -462,7 +462,8 @@ class Run {
 
   /// The last geometry, and colours at the very places where the renderer will look for them.
   void finish() {
-    const spline::Basis basis(surface_.space);
+    basis_ = std::make_shared<const spline::Basis>(surface_.space);
+    const spline::Basis& basis = *basis_;
     if (has_features()) {
       const fit::PixelValues values(basis, picture_.width, picture_.height, places_);
       lap("basis");
@@ -472,10 +473,19 @@ class Run {
       lap("unfold");
       fit::PixelPlaces exact = fit::invert_geometry(values, displacement_, places_);
       places_ = std::move(exact.places);
-      weigh(exact.crossed, surface_.space->mesh());
+      crossed_ = std::move(exact.crossed);
+      weigh(crossed_, surface_.space->mesh());
       lap("invert");
     }
     fit_all_pixels(basis);
+  }
+
+  /// After finish(). Takes what it needs.
+  Fitted fitted() {
+    std::vector<float> surface = std::move(surface_.fit.residual);
+    const std::vector<float>& target = colours().samples;
+    for (std::size_t i = 0; i < surface.size(); ++i) surface[i] = target[i] - surface[i];
+    return {std::move(basis_), std::move(places_), std::move(crossed_), std::move(surface)};
   }
 
   const image::Image& picture_;
@@ -491,8 +501,9 @@ class Run {
   image::Image corrected_;
   features::ImageMesh image_mesh_;
   param::Parametrization parametrization_;
-  std::vector<Vec2> places_;    ///< empty without features
-  std::vector<float> weights_;  ///< empty without features
+  std::vector<Vec2> places_;           ///< empty without features
+  std::vector<float> weights_;         ///< empty without features
+  std::vector<std::uint8_t> crossed_;  ///< by the features of the last geometry; empty without
   std::vector<fit::CurvePoint> curves_;
   std::vector<std::uint32_t> curve_segments_;  ///< of the knot mesh, parallel to curves_
   std::vector<double> curve_errors_;           ///< pixels, parallel to curves_
@@ -508,6 +519,7 @@ class Run {
   mesh::KnotMesh start_mesh_;
   std::unique_ptr<EditableMesh> mesh_;
   fit::ColourSurface surface_;
+  std::shared_ptr<const spline::Basis> basis_;  ///< of the final surface
   std::vector<Vec2> displacement_;
   double meg_ = 0;
   document::FrameModel model_;

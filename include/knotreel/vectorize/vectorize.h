@@ -58,9 +58,18 @@ struct Progress {
 /// Called between stages, on the thread of the caller; may throw to stop the work.
 using Observer = std::function<void(const Progress&)>;
 
+/// The model as it was fitted at the end, for who goes on from there.
+struct Fitted {
+  std::shared_ptr<const spline::Basis> basis;  ///< of the space of the model
+  std::vector<Vec2> places;                    ///< of the pixels in the domain; empty: the centres
+  std::vector<std::uint8_t> crossed;           ///< 1 for pixels that features cross; empty: none
+  std::vector<float> surface;                  ///< at the pixels, as image::Image::samples
+};
+
 struct Vectorization {
   document::FrameModel model;
   Report report;
+  Fitted fitted;
 };
 
 /// Vectorizes a picture of any size with 1 to 4 channels. Deterministic: the same for any number of threads.
