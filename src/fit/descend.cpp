@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "knotreel/fit/knot_gradient.h"
+#include "knotreel/mesh/edge_lengths.h"
 
 namespace knotreel::fit {
 
@@ -12,20 +13,6 @@ namespace {
 using mesh::KnotIndex;
 using mesh::KnotKind;
 using mesh::KnotMesh;
-
-std::vector<double> shortest_edges(const KnotMesh& mesh) {
-  std::vector<double> shortest(mesh.knots.size(), 1e300);
-  for (const mesh::Face& f : mesh.faces) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const KnotIndex a = f[i];
-      const KnotIndex b = f[(i + 1) % 3];
-      const double length = norm(mesh.knots[a].position - mesh.knots[b].position);
-      shortest[a] = std::min(shortest[a], length);
-      shortest[b] = std::min(shortest[b], length);
-    }
-  }
-  return shortest;
-}
 
 /// A triangle that must stay positive while knots move: a face of the mesh, or of a link.
 struct Guard {
@@ -116,7 +103,8 @@ constexpr double kShrink = 0.6;
 /// Step lengths of the knots, each adapted to how its gradient turns.
 class Steps {
  public:
-  Steps(const KnotMesh& mesh, double share) : lengths_(shortest_edges(mesh)), before_(mesh.knots.size()) {
+  Steps(const KnotMesh& mesh, double share)
+      : lengths_(mesh::shortest_edges(mesh)), before_(mesh.knots.size()) {
     for (double& l : lengths_) l *= share;
   }
 
@@ -154,7 +142,7 @@ ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOp
   for (int i = 0; i < options.steps; ++i) {
     if (options.on_step) options.on_step();
     const KnotMesh& mesh = at.space->mesh();
-    std::vector<Vec2> moves = steps.moves(knot_gradient(*basis, pixels, at.fit), shortest_edges(mesh));
+    std::vector<Vec2> moves = steps.moves(knot_gradient(*basis, pixels, at.fit), mesh::shortest_edges(mesh));
     limit_moves(*at.space, options.min_distance, moves);
     at.space = std::make_shared<const spline::SplineSpace>(at.space->moved(moved_positions(mesh, moves)));
     basis = std::make_unique<const spline::Basis>(at.space);

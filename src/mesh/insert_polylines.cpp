@@ -210,7 +210,7 @@ class Inserter {
     for (std::size_t i = 1; i < vertices.size(); ++i) {
       const Vec2 a = mesh_.position(vertices[i - 1]);
       const Vec2 b = mesh_.position(vertices[i]);
-      const int inside = std::clamp(static_cast<int>(std::lround(norm(b - a) / options_.spacing)) - 1, 1, 3);
+      const int inside = knots_inside_segment(norm(b - a), options_.spacing);
       for (int j = 1; j <= inside; ++j) {
         const EditableMesh::Edge e = mesh_.edge_between(all.back(), vertices[i]);
         all.push_back(mesh_.insert_on_edge(e, a + (static_cast<double>(j) / (inside + 1)) * (b - a)));
@@ -227,6 +227,10 @@ class Inserter {
 };
 
 }  // namespace
+
+int knots_inside_segment(double length, double spacing) {
+  return std::clamp(static_cast<int>(std::lround(length / spacing)) - 1, 1, 3);
+}
 
 std::vector<std::vector<KnotIndex>> insert_polylines(EditableMesh& mesh,
                                                      std::span<const std::vector<Vec2>> lines,

@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "knotreel/base/error.h"
-#include "knotreel/motion/cut.h"
 #include "knotreel/motion/luma.h"
 #include "knotreel/pipeline/sequence.h"
 #include "knotreel/track/curve_error.h"
@@ -12,19 +11,6 @@
 
 namespace knotreel::pipeline {
 namespace {
-
-std::unique_ptr<track::Motion> motion_between(const image::Image& before, const image::Image& now,
-                                              const motion::FlowOptions& options) {
-  auto motion = std::make_unique<track::Motion>();
-  motion->repeated = before.samples == now.samples;
-  if (motion->repeated) return motion;
-  motion->before = std::make_shared<const motion::Luma>(motion::luma_of(before));
-  motion->now = std::make_shared<const motion::Luma>(motion::luma_of(now));
-  motion->flow = motion::find_flow_pair(*motion->before, *motion->now, options);
-  motion->change = motion::measure_change(before, now, *motion->before, *motion->now, motion->flow.forward,
-                                          motion->flow.consistent);
-  return motion;
-}
 
 /// "frame_000001.tcb" for the first frame.
 std::filesystem::path single_path(const std::string& folder, std::uint64_t index) {
@@ -75,7 +61,8 @@ MessagePtr Stages::decode() {
 void Stages::analyse(Message& message) {
   timed(failure_, "analyse", message, [&] {
     if (message.before && job_.tracking.warm_start) {
-      message.motion = motion_between(*message.before, *message.picture, job_.flow);
+      message.motion = std::make_unique<track::Motion>(
+          track::motion_between(*message.before, *message.picture, job_.flow));
     }
     message.before.reset();
   });

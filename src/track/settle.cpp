@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "knotreel/mesh/edge_lengths.h"
+
 namespace knotreel::track {
 
 namespace {
@@ -10,20 +12,6 @@ namespace {
 constexpr double kGrow = 1.2;
 constexpr double kShrink = 0.6;
 constexpr double kLongest = 0.1;  // share of the shortest edge
-
-std::vector<double> shortest_edges(const mesh::KnotMesh& mesh) {
-  std::vector<double> shortest(mesh.knots.size(), 1e300);
-  for (const mesh::Face& f : mesh.faces) {
-    for (std::size_t i = 0; i < 3; ++i) {
-      const mesh::KnotIndex a = f[i];
-      const mesh::KnotIndex b = f[(i + 1) % 3];
-      const double length = norm(mesh.knots[a].position - mesh.knots[b].position);
-      shortest[a] = std::min(shortest[a], length);
-      shortest[b] = std::min(shortest[b], length);
-    }
-  }
-  return shortest;
-}
 
 }  // namespace
 
@@ -42,7 +30,7 @@ void Settling::wake() {
 
 std::vector<Vec2> Settling::moves(const mesh::KnotMesh& mesh, const std::vector<Vec2>& gradient,
                                   double error) {
-  const std::vector<double> shortest = shortest_edges(mesh);
+  const std::vector<double> shortest = mesh::shortest_edges(mesh);
   std::unordered_map<std::uint32_t, Step> steps;
   const double least_gain = options_.least_gain * error / static_cast<double>(gradient.size());
   std::vector<Vec2> result(gradient.size());

@@ -215,6 +215,20 @@ std::vector<std::uint8_t> lost_segments(const std::vector<Sample>& samples, cons
   return lost;
 }
 
+/// Looks for the edges next to the samples of curves at rest, of the direction that most of each segment has.
+/// @param slope_of the slope of a sample that tells the direction.
+template <class SlopeOf>
+void find_edges_along(const motion::Luma& luma, std::size_t segments, const SnapOptions& options,
+                      SlopeOf&& slope_of, std::vector<Sample>& samples) {
+  std::vector<double> slopes(segments, 0);
+  std::vector<double> counts(segments, 0);
+  for (const Sample& s : samples) {
+    slopes[s.segment] += slope_of(s);
+    counts[s.segment] += 1;
+  }
+  for (Sample& s : samples) find_edge(slopes[s.segment] / counts[s.segment], luma, options, s);
+}
+
 /// The steepest slope within reach, nearer ones preferred.
 double steepest_near(const motion::Luma& luma, Vec2 p, Vec2 normal, double reach) {
   double steepest = 0;
@@ -259,15 +273,11 @@ EdgePoints find_edge_points(const spline::Basis& basis, std::span<const Vec2> di
   if (mesh.segments.empty()) return result;
   const std::vector<Vec2> still(mesh.knots.size());
   std::vector<Sample> samples = place_samples(basis, displacement, mesh, still);
-  std::vector<double> slopes(mesh.segments.size(), 0);
-  std::vector<double> counts(mesh.segments.size(), 0);
-  for (const Sample& s : samples) {
-    slopes[s.segment] += steepest_at(now, s.position, s.normal);
-    counts[s.segment] += 1;
-  }
+  find_edges_along(
+      now, mesh.segments.size(), options,
+      [&](const Sample& s) { return steepest_at(now, s.position, s.normal); }, samples);
   double squares = 0;
-  for (Sample& s : samples) {
-    find_edge(slopes[s.segment] / counts[s.segment], now, options, s);
+  for (const Sample& s : samples) {
     squares += s.offset * s.offset;
     const Vec2 from = mesh.knots[s.a].position;
     result.points.push_back(
@@ -283,16 +293,12 @@ double mean_edge_distance(const spline::Basis& basis, std::span<const Vec2> disp
   const KnotMesh& mesh = basis.space().mesh();
   const std::vector<Vec2> still(mesh.knots.size());
   std::vector<Sample> samples = place_samples(basis, displacement, mesh, still);
-  std::vector<double> slopes(mesh.segments.size(), 0);
-  std::vector<double> counts(mesh.segments.size(), 0);
-  for (const Sample& s : samples) {
-    slopes[s.segment] += steepest_near(picture, s.position, s.normal, options.reach);
-    counts[s.segment] += 1;
-  }
+  find_edges_along(
+      picture, mesh.segments.size(), options,
+      [&](const Sample& s) { return steepest_near(picture, s.position, s.normal, options.reach); }, samples);
   double sum = 0;
   double found = 0;
-  for (Sample& s : samples) {
-    find_edge(slopes[s.segment] / counts[s.segment], picture, options, s);
+  for (const Sample& s : samples) {
     if (s.weight <= 0) continue;
     sum += std::abs(s.offset);
     found += 1;

@@ -1,8 +1,6 @@
 #include "vectorize/initial_mesh.h"
 
-#include <algorithm>
-#include <cmath>
-
+#include "knotreel/mesh/insert_polylines.h"
 #include "knotreel/mesh/triangulate.h"
 
 namespace knotreel::vectorize {
@@ -42,7 +40,7 @@ class Builder {
   void add_segment(KnotIndex from, KnotIndex to) {
     const Vec2 a = mesh_.knots[from].position;
     const Vec2 b = mesh_.knots[to].position;
-    const int inside = std::clamp(static_cast<int>(std::lround(norm(b - a) / spacing_)) - 1, 1, 3);
+    const int inside = mesh::knots_inside_segment(norm(b - a), spacing_);
     mesh::FeatureSegment segment{{from}};
     for (int i = 1; i <= inside; ++i) {
       segment.knots.push_back(add(a + (static_cast<double>(i) / (inside + 1)) * (b - a), KnotKind::kSegment));

@@ -85,15 +85,8 @@ TEST(Births, AFeatureThatComesIntoAGroupIsSharp) {
   std::size_t born = 0;
   document::FrameModel model;
   for (int i = 0; i < 16; ++i) {
-    const image::Image picture = fading_in(std::min(1.0F, static_cast<float>(i) / 6));
-    Motion motion;
-    if (i > 0) {
-      motion.before = std::make_shared<motion::Luma>(motion::luma_of(before));
-      motion.now = std::make_shared<motion::Luma>(motion::luma_of(picture));
-      motion.flow = motion::find_flow_pair(*motion.before, *motion.now, {});
-      motion.change = motion::measure_change(before, picture, *motion.before, *motion.now,
-                                             motion.flow.forward, motion.flow.consistent);
-    }
+    const image::Image picture = fading_in(std::min(1.0F, static_cast<float>(i) / 15));
+    const Motion motion = i > 0 ? motion_between(before, picture) : Motion();
     model = tracker.next(picture, i > 0 ? &motion : nullptr, &report);
     ASSERT_EQ(report.start, i > 0 ? Start::kWarm : Start::kFirst) << i;
     ASSERT_EQ(mesh::find_defect(model.space->mesh()), std::nullopt) << i;

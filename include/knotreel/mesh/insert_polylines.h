@@ -7,10 +7,14 @@
 
 namespace knotreel::mesh {
 
+/// Simple knots inside a feature segment of this length (paper sec. 6.1): one to three, about `spacing`
+/// apart.
+int knots_inside_segment(double length, double spacing);
+
 struct InsertOptions {
   double clearance = 3;      ///< least distance of new segments from others and from the border, pixels
   double knot_distance = 2;  ///< free knots nearer to a new segment go, pixels
-  double spacing = 12;       ///< one to three simple knots per segment, about this far apart, pixels
+  double spacing = 12;       ///< as for knots_inside_segment()
 };
 
 /// Makes open polylines features of a mesh: their vertices become multiple knots, with simple ones between

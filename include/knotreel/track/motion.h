@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "knotreel/image/image.h"
 #include "knotreel/motion/cut.h"
 #include "knotreel/motion/flow.h"
 #include "knotreel/motion/luma.h"
@@ -16,5 +17,9 @@ struct Motion {
   motion::CutMeasure change;
   bool repeated = false;  ///< the pictures are equal, bit for bit; the rest may be left empty
 };
+
+/// @throws Error{kInvalidArgument} if sizes differ.
+Motion motion_between(const image::Image& before, const image::Image& now,
+                      const motion::FlowOptions& options = {});
 
 }  // namespace knotreel::track

@@ -1,0 +1,18 @@
+#include "knotreel/track/motion.h"
+
+namespace knotreel::track {
+
+Motion motion_between(const image::Image& before, const image::Image& now,
+                      const motion::FlowOptions& options) {
+  Motion motion;
+  motion.repeated = before.samples == now.samples && before.width == now.width;
+  if (motion.repeated) return motion;
+  motion.before = std::make_shared<const motion::Luma>(motion::luma_of(before));
+  motion.now = std::make_shared<const motion::Luma>(motion::luma_of(now));
+  motion.flow = motion::find_flow_pair(*motion.before, *motion.now, options);
+  motion.change = motion::measure_change(before, now, *motion.before, *motion.now, motion.flow.forward,
+                                         motion.flow.consistent);
+  return motion;
+}
+
+}  // namespace knotreel::track
