@@ -11,24 +11,6 @@ using mesh::KnotIndex;
 
 namespace {
 
-/// Sum of the errors in each face.
-std::vector<double> face_errors(const EditableMesh& mesh, std::span<const float> squared_errors, int width,
-                                int height) {
-  std::vector<double> sums(mesh.face_slots(), 0);
-  for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
-    if (!mesh.is_face(f)) continue;
-    const knots::TriangleRows rows(mesh.triangle(f), width, height);
-    for (int y = rows.first(); y < rows.last(); ++y) {
-      int begin = 0;
-      int end = 0;
-      rows.columns(y, begin, end);
-      const float* row = squared_errors.data() + std::size_t(y) * std::size_t(width);
-      for (int x = begin; x < end; ++x) sums[f] += static_cast<double>(row[x]);
-    }
-  }
-  return sums;
-}
-
 struct Candidate {
   double cost;
   KnotIndex knot;
@@ -64,11 +46,27 @@ std::vector<Candidate> by_cost(const EditableMesh& mesh, const knots::Target& ta
 
 }  // namespace
 
+std::vector<double> sorted_face_errors(const EditableMesh& mesh, std::span<const float> squared_errors,
+                                       int width, int height) {
+  std::vector<double> sums(mesh.face_slots(), 0);
+  for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.is_face(f)) continue;
+    const knots::TriangleRows rows(mesh.triangle(f), width, height);
+    for (int y = rows.first(); y < rows.last(); ++y) {
+      int begin = 0;
+      int end = 0;
+      rows.columns(y, begin, end);
+      const float* row = squared_errors.data() + std::size_t(y) * std::size_t(width);
+      for (int x = begin; x < end; ++x) sums[f] += static_cast<double>(row[x]);
+    }
+  }
+  std::sort(sums.rbegin(), sums.rend());
+  return sums;
+}
+
 std::size_t remove_idle_knots(EditableMesh& mesh, const knots::Target& target,
-                              std::span<const float> squared_errors, const SwapOptions& options,
+                              std::span<const double> face_errors, const SwapOptions& options,
                               std::size_t surplus) {
-  std::vector<double> gains = face_errors(mesh, squared_errors, target.image().width, target.image().height);
-  std::sort(gains.rbegin(), gains.rend());
   const std::vector<Candidate> candidates = by_cost(mesh, target);
   const auto most =
       std::max(surplus, static_cast<std::size_t>(options.share * static_cast<double>(mesh.knot_count())));
@@ -76,8 +74,8 @@ std::size_t remove_idle_knots(EditableMesh& mesh, const knots::Target& target,
   std::vector<FaceIndex> ring;
   std::size_t removed = 0;
   for (const Candidate& c : candidates) {
-    if (removed == most || removed == gains.size()) break;
-    if (removed >= surplus && 0.5 * gains[removed] < options.ratio * c.cost) break;
+    if (removed == most || removed == face_errors.size()) break;
+    if (removed >= surplus && 0.5 * face_errors[removed] < options.ratio * c.cost) break;
     if (touched[c.knot]) continue;
     mesh.faces_around(c.knot, ring);
     for (const FaceIndex f : ring) {

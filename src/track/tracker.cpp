@@ -20,6 +20,7 @@
 #include "track/carried_geometry.h"
 #include "track/carried_links.h"
 #include "track/cold_frame.h"
+#include "track/foresee.h"
 #include "track/matching.h"
 #include "track/placed_pixels.h"
 #include "track/residual.h"
@@ -194,8 +195,11 @@ class Tracker::Impl {
     if (give_up_stuck(report_->carry, snapped.lost))
       carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->carry);
     lap("carry");
+    const std::unique_ptr<knots::Target> target_before = std::move(target_);
     target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
     lap("target");
+    carried = refilled(carried, *target_before);
+    lap("foresee");
     const KnotMesh before = space_->mesh();
     frame_before_ = {space_, colours_.control, std::move(colours_.residual), std::move(seen_.weights),
                      last_mec_};
@@ -207,11 +211,34 @@ class Tracker::Impl {
          ++pass) {
       prepare_next(picture, true);
       take_over(next_mesh_);
+      const double was = report_->psnr;
       fit(picture, motion);
       measure();
+      if (getenv("REPV"))
+        printf("REP %d last %.2f was %.2f now %.2f\n", pass, last_psnr_, was, report_->psnr);
       ++report_->repairs;
     }
     report_->survival = share_alive(before, space_->mesh());
+  }
+
+  /// A carried mesh with knots for those that were lost on the way, where the picture asks for them.
+  KnotMesh refilled(const KnotMesh& carried, const knots::Target& target_before) {
+    EditableMesh mesh(carried, next_id_);
+    const std::vector<KnotIndex> fresh =
+        insert_foreseen(mesh, *target_, space_->mesh(), target_before,
+                        next_mesh_.knots.size() - carried.knots.size(), options_.carry.min_distance);
+    next_id_ = mesh.next_id();
+    report_->inserted += fresh.size();
+    optimise_around(mesh, fresh);
+    return mesh.to_mesh();
+  }
+
+  /// More rings would disturb knots that have settled: more flicker and bytes for the same error.
+  void optimise_around(EditableMesh& mesh, const std::vector<KnotIndex>& fresh) const {
+    if (fresh.empty() || !options_.optimise_inserted) return;
+    knots::OptimiseOptions local = cold_.optimise;
+    local.rounds = 1;
+    knots::optimise(mesh, *target_, local, knots::rings_around(mesh, fresh, 1));
   }
 
   bool has_drifted() const {
@@ -340,7 +367,8 @@ class Tracker::Impl {
     const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
     const double missing = (static_cast<double>(group_functions_) - functions - born_functions) / per_knot;
     const std::size_t removed =
-        remove_idle_knots(mesh, *target_, errors, urgent ? options_.urgent_swap : options_.swap,
+        remove_idle_knots(mesh, *target_, sorted_face_errors(mesh, errors, picture.width, picture.height),
+                          urgent ? options_.urgent_swap : options_.swap,
                           born.empty() ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
     report_->swapped += removed;
     knots::RefineOptions refine;
@@ -351,12 +379,7 @@ class Tracker::Impl {
     report_->inserted += fresh.size();
     fresh.insert(fresh.end(), born.begin(), born.end());
     next_id_ = mesh.next_id();
-    if (!fresh.empty() && options_.optimise_inserted) {
-      // More rings would disturb knots that have settled: more flicker and bytes for the same error.
-      knots::OptimiseOptions local = cold_.optimise;
-      local.rounds = 1;
-      knots::optimise(mesh, *target_, local, knots::rings_around(mesh, fresh, 1));
-    }
+    optimise_around(mesh, fresh);
     next_mesh_ = mesh.to_mesh();
   }
 

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <span>
+#include <vector>
 
 #include "knotreel/knots/target.h"
 #include "knotreel/mesh/editable_mesh.h"
@@ -13,14 +14,19 @@ struct SwapOptions {
   double share = 0.06;  ///< most of the knots that go at once
 };
 
+/// Errors of the faces of a surface, the largest first.
+/// @param squared_errors per pixel of a picture of this width and height.
+std::vector<double> sorted_face_errors(const mesh::EditableMesh& mesh, std::span<const float> squared_errors,
+                                       int width, int height);
+
 /// Takes away free knots that hardly earn their place, as many as there are faces with much more error than
 /// these knots keep away: so many new ones are then worth inserting. A knot keeps away what a single linear
 /// approximation of all its faces would add; a new knot is taken to mend half the error of its face.
-/// @param squared_errors of the surface, per pixel of the target's picture.
-/// @param surplus knots that go in any case, the idlest ones.
+/// @param face_errors the largest first.
+/// @param surplus     knots that go in any case, the idlest ones.
 /// @return the number of knots removed.
 std::size_t remove_idle_knots(mesh::EditableMesh& mesh, const knots::Target& target,
-                              std::span<const float> squared_errors, const SwapOptions& options = {},
+                              std::span<const double> face_errors, const SwapOptions& options = {},
                               std::size_t surplus = 0);
 
 }  // namespace knotreel::track

@@ -1,0 +1,104 @@
+#include "track/foresee.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <unordered_map>
+#include <utility>
+
+#include "knotreel/base/parallel.h"
+#include "knotreel/knots/place.h"
+
+namespace knotreel::track {
+
+namespace {
+
+using mesh::EditableMesh;
+using mesh::FaceIndex;
+using mesh::KnotIndex;
+
+using Name = std::array<std::uint32_t, 3>;
+
+Name sorted(Name name) {
+  std::sort(name.begin(), name.end());
+  return name;
+}
+
+struct HashName {
+  std::size_t operator()(const Name& n) const {
+    return (std::size_t{n[0]} * 0x9e3779b97f4a7c15ULL ^ n[1]) * 0x9e3779b97f4a7c15ULL ^ n[2];
+  }
+};
+
+using ErrorByName = std::unordered_map<Name, double, HashName>;
+
+ErrorByName errors_by_name(const mesh::KnotMesh& mesh, const knots::Target& target) {
+  std::vector<double> errors(mesh.faces.size());
+  parallel_for(errors.size(), [&](std::size_t f) {
+    const mesh::Face& v = mesh.faces[f];
+    errors[f] =
+        target.error({mesh.knots[v[0]].position, mesh.knots[v[1]].position, mesh.knots[v[2]].position});
+  });
+  ErrorByName result;
+  result.reserve(errors.size());
+  for (std::size_t f = 0; f < errors.size(); ++f) {
+    const mesh::Face& v = mesh.faces[f];
+    const auto id = [&](std::size_t i) { return static_cast<std::uint32_t>(mesh.knots[v[i]].id); };
+    result.emplace(sorted({id(0), id(1), id(2)}), errors[f]);
+  }
+  return result;
+}
+
+struct Growth {
+  double error;
+  FaceIndex face;
+};
+
+/// Faces whose error has grown, most first. A face that was not there before had none.
+std::vector<Growth> growth_of(const EditableMesh& mesh, const knots::Target& target,
+                              const ErrorByName& before) {
+  std::vector<double> errors(mesh.face_slots(), 0);
+  parallel_for(errors.size(), [&](std::size_t f) {
+    if (mesh.is_face(static_cast<FaceIndex>(f)))
+      errors[f] = target.error(mesh.triangle(static_cast<FaceIndex>(f)));
+  });
+  std::vector<Growth> growth;
+  for (FaceIndex f = 0; f < errors.size(); ++f) {
+    if (!mesh.is_face(f)) continue;
+    const mesh::Face& v = mesh.face(f);
+    const auto id = [&](std::size_t i) { return static_cast<std::uint32_t>(mesh.knot(v[i]).id); };
+    const auto known = before.find(sorted({id(0), id(1), id(2)}));
+    const double grown = errors[f] - (known == before.end() ? 0 : known->second);
+    if (grown > 0) growth.push_back({grown, f});
+  }
+  std::sort(growth.begin(), growth.end(), [](const Growth& a, const Growth& b) {
+    return a.error != b.error ? a.error > b.error : a.face < b.face;
+  });
+  return growth;
+}
+
+}  // namespace
+
+std::vector<KnotIndex> insert_foreseen(EditableMesh& mesh, const knots::Target& target,
+                                       const mesh::KnotMesh& before, const knots::Target& target_before,
+                                       std::size_t count, double min_distance) {
+  if (count == 0) return {};
+  std::vector<KnotIndex> inserted;
+  std::vector<bool> touched(mesh.face_slots(), false);
+  std::vector<FaceIndex> ring;
+  for (const Growth& g : growth_of(mesh, target, errors_by_name(before, target_before))) {
+    if (inserted.size() == count) break;
+    if (touched[g.face]) continue;
+    const auto [a, b, c] = mesh.triangle(g.face);
+    const auto k = knots::insert_near(mesh, g.face, (1.0 / 3) * (a + b + c), min_distance);
+    if (!k) continue;
+    inserted.push_back(*k);
+    touched.resize(mesh.face_slots(), true);
+    mesh.faces_around(*k, ring);
+    for (const FaceIndex f : ring) touched[f] = true;
+  }
+  for (const KnotIndex k : inserted) mesh.legalise_around(k);
+  return inserted;
+}
+
+}  // namespace knotreel::track
