@@ -211,11 +211,8 @@ class Tracker::Impl {
          ++pass) {
       prepare_next(picture, true);
       take_over(next_mesh_);
-      const double was = report_->psnr;
       fit(picture, motion);
       measure();
-      if (getenv("REPV"))
-        printf("REP %d last %.2f was %.2f now %.2f\n", pass, last_psnr_, was, report_->psnr);
       ++report_->repairs;
     }
     report_->survival = share_alive(before, space_->mesh());
@@ -233,12 +230,13 @@ class Tracker::Impl {
     return mesh.to_mesh();
   }
 
-  /// More rings would disturb knots that have settled: more flicker and bytes for the same error.
+  /// Moves new knots to where the picture wants them. Their neighbours stay: to disturb knots that have
+  /// settled is more flicker and bytes for the same error.
   void optimise_around(EditableMesh& mesh, const std::vector<KnotIndex>& fresh) const {
     if (fresh.empty() || !options_.optimise_inserted) return;
     knots::OptimiseOptions local = cold_.optimise;
     local.rounds = 1;
-    knots::optimise(mesh, *target_, local, knots::rings_around(mesh, fresh, 1));
+    knots::optimise(mesh, *target_, local, knots::rings_around(mesh, fresh, 0));
   }
 
   bool has_drifted() const {
