@@ -15,8 +15,7 @@ Summary run_graph(const Job& job) {
   Node plan(graph, flow::serial, in_turn(planned, [&](Message& m) { stages.plan(m); }));
   Node cold(graph, flow::unlimited, isolated([&](Message& m) { stages.cold(m); }));
   flow::sequencer_node<MessagePtr> prepared(graph, ByIndex{});
-  Node model(graph, flow::serial, in_turn(modelled, [&](Message& m) { stages.model(m); }),
-             flow::node_priority_t{1});
+  Node model(graph, flow::serial, in_turn(modelled, [&](Message& m) { stages.model(m); }));
   Node documents(graph, flow::serial, in_turn(stored, [&](Message& m) { stages.documents(m); }));
   Node rasterize(graph, flow::unlimited, isolated([&](Message& m) { stages.rasterize(m); }));
   flow::sequencer_node<MessagePtr> drawn(graph, ByIndex{});
