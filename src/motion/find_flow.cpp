@@ -18,9 +18,11 @@ int preset(FlowOptions::Effort effort) {
       return cv::DISOpticalFlow::PRESET_ULTRAFAST;
     case FlowOptions::Effort::kFast:
       return cv::DISOpticalFlow::PRESET_FAST;
-    default:
-      return cv::DISOpticalFlow::PRESET_MEDIUM;
+    case FlowOptions::Effort::kExact:
+    case FlowOptions::Effort::kMedium:
+      break;
   }
+  return cv::DISOpticalFlow::PRESET_MEDIUM;
 }
 
 cv::Ptr<cv::DISOpticalFlow> make_search(FlowOptions::Effort effort) {

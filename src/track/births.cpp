@@ -4,6 +4,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "knotreel/features/fair.h"
@@ -96,32 +97,37 @@ double length_of(const std::vector<Vec2>& line) {
   return length;
 }
 
-/// Marks the points of [first, last] that a polyline needs to stay near all of them (Douglas-Peucker).
-void mark_vertices(const Chain& chain, std::size_t first, std::size_t last, double distance,
-                   std::vector<bool>& vertex) {
+/// The point between two others that is farthest from the line through them, if it is farther than allowed.
+std::optional<std::size_t> farthest_between(const Chain& chain, std::size_t first, std::size_t last,
+                                            double allowed) {
   const Vec2 a = chain.points[first].position;
   const Vec2 along = chain.points[last].position - a;
   const double length = norm(along);
-  std::size_t farthest = first;
-  double most = distance;
+  std::optional<std::size_t> farthest;
   for (std::size_t i = first + 1; i < last; ++i) {
     const Vec2 d = chain.points[i].position - a;
     const double away = length > 0 ? std::abs(along.x * d.y - along.y * d.x) / length : norm(d);
-    if (away > most) {
-      most = away;
-      farthest = i;
-    }
+    if (away <= allowed) continue;
+    allowed = away;
+    farthest = i;
   }
-  if (farthest == first) return;
-  vertex[farthest] = true;
-  mark_vertices(chain, first, farthest, distance, vertex);
-  mark_vertices(chain, farthest, last, distance, vertex);
+  return farthest;
 }
 
+/// The points of a chain that a polyline needs to stay near all of them (Douglas-Peucker).
 std::vector<Vec2> polyline_of(const Chain& chain, double distance) {
   std::vector<bool> vertex(chain.points.size(), false);
   vertex.front() = vertex.back() = true;
-  mark_vertices(chain, 0, chain.points.size() - 1, distance, vertex);
+  std::vector<std::pair<std::size_t, std::size_t>> open{{0, chain.points.size() - 1}};
+  while (!open.empty()) {
+    const auto [first, last] = open.back();
+    open.pop_back();
+    const std::optional<std::size_t> split = farthest_between(chain, first, last, distance);
+    if (!split) continue;
+    vertex[*split] = true;
+    open.emplace_back(first, *split);
+    open.emplace_back(*split, last);
+  }
   std::vector<Vec2> line;
   for (std::size_t i = 0; i < vertex.size(); ++i) {
     if (vertex[i]) line.push_back(chain.points[i].position);

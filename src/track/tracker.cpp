@@ -48,8 +48,7 @@ const char* to_string(Start start) {
 
 namespace {
 
-constexpr double kFunctionsPerPixel = 0.5;  // of features, about
-constexpr double kLeastShare = 0.25;        // of what features may use, that a group without any may come to
+constexpr double kLeastShare = 0.25;  // of what features may use, that a group without any may come to
 
 using mesh::EditableMesh;
 using mesh::KnotIndex;
@@ -164,6 +163,7 @@ class Tracker::Impl {
     group_functions_ = space_->function_count();
     group_features_ = feature_length(space_->mesh());
     since_births_ = 0;
+    has_new_features_ = false;
     next_id_ = EditableMesh(space_->mesh()).next_id();
     settling_.clear();
     last_psnr_ = report_->psnr;
@@ -345,8 +345,8 @@ class Tracker::Impl {
       return born;
     since_births_ = 0;
     const double least = kLeastShare * cold_.feature_share * static_cast<double>(group_functions_);
-    const double room =
-        std::max(least / kFunctionsPerPixel, group_features_) - feature_length(space_->mesh());
+    const double room = std::max(least / vectorize::kFunctionsPerFeaturePixel, group_features_) -
+                        feature_length(space_->mesh());
     const auto lines =
         missing_features(*basis_, displacement_, seen_, picture, errors, cold_.detect, room, options_.birth);
     for (const std::vector<KnotIndex>& knots : mesh::insert_polylines(mesh, lines)) {

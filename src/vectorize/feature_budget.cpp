@@ -15,8 +15,6 @@ constexpr double kWeakContrast = 140;
 constexpr double kSharpness = 0.93;
 // Of a share, when it is exceeded: estimates by pixels are rough, and another try costs a parametrization.
 constexpr double kMargin = 0.75;
-// Control points per pixel of features, about (counted over photographs).
-constexpr double kFunctionsPerFeaturePixel = 0.5;
 
 std::size_t chain_pixels(const features::FeatureChains& chains) {
   std::size_t pixels = 0;

@@ -6,6 +6,9 @@
 
 namespace knotreel::vectorize {
 
+/// Control points per pixel of features, about (counted over photographs).
+inline constexpr double kFunctionsPerFeaturePixel = 0.5;
+
 /// Control points of a space over a mesh, before it is built: about (counted over photographs).
 double expected_functions(const mesh::EditableMesh& mesh, int degree);
 

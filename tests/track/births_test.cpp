@@ -99,5 +99,34 @@ TEST(Births, AFeatureThatComesIntoAGroupIsSharp) {
   EXPECT_GT(report.psnr, 32);
 }
 
+TEST(Births, AreForgottenWhenAGroupStarts) {
+  vectorize::Options options;
+  options.feature_share = 1;
+  TrackOptions track;
+  track.birth_interval = 2;
+  track.drift = 100;
+  track.scene_threshold = 10;
+  Tracker fresh(options, track);
+  Tracker used(options, track);
+  FrameReport report;
+  for (int i = 0; i < 16 && report.features_born == 0; ++i) {
+    const image::Image picture = fading_in(static_cast<float>(i) / 15);
+    const image::Image before = fading_in(static_cast<float>(std::max(0, i - 1)) / 15);
+    const Motion motion = motion_between(before, picture);
+    used.next(picture, i > 0 ? &motion : nullptr, &report);
+  }
+  ASSERT_GT(report.features_born, 0U);
+  const image::Image first = edge_at(40);
+  image::Image second = first;
+  second.samples[0] += 1;
+  const Motion motion = motion_between(first, second);
+  for (Tracker* tracker : {&used, &fresh}) tracker->next(first, nullptr);
+  const document::FrameModel after_births = used.next(second, &motion);
+  const document::FrameModel expected = fresh.next(second, &motion);
+  ASSERT_FALSE(expected.space->mesh().segments.empty());
+  EXPECT_EQ(after_births.displacement, expected.displacement);
+  EXPECT_EQ(after_births.colour, expected.colour);
+}
+
 }  // namespace
 }  // namespace knotreel::track

@@ -72,6 +72,7 @@ TEST(Tracker, FramesAreWarmAndGood) {
   for (std::size_t i = 1; i < run.reports.size(); ++i) {
     EXPECT_EQ(run.reports[i].start, Start::kWarm) << i;
     EXPECT_FALSE(run.models[i].keyframe);
+    EXPECT_LT(run.reports[i].mec, 1) << i;
     warm_error += run.reports[i].mec;
     cold_error += cold.reports[i].mec;
     EXPECT_GT(run.reports[i].survival, 0.8) << i;
