@@ -78,8 +78,22 @@ void render_picture(const Arguments& arguments) {
   writer->finish();
 }
 
-void render(const Arguments& arguments) {
-  if (!is_video_output(arguments.output, arguments.format)) {
+/// Options that would be without effect are refused: a picture of another frame looks right.
+void check_kind(const CLI::App& command, bool video) {
+  if (video && command.count("--frame") > 0) refuse("--frame is for one picture; use --frames for a video");
+  if (video) return;
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group() != kVideoGroup || option->count() == 0) continue;
+    const std::string name = option->get_name();
+    refuse(name + " is for videos and numbered pictures" +
+           (name == "--frames" ? "; use --frame for one picture" : ", not for one picture"));
+  }
+}
+
+void render(const CLI::App& command, const Arguments& arguments) {
+  const bool is_video = is_video_output(arguments.output, arguments.format);
+  check_kind(command, is_video);
+  if (!is_video) {
     render_picture(arguments);
     return;
   }
@@ -154,7 +168,7 @@ void add_render_command(CLI::App& program) {
   add_threads_option(*command, arguments->threads);
   add_render_video_options(*command, arguments->video);
   command->footer(kFooter);
-  command->callback([arguments] { render(*arguments); });
+  command->callback([command, arguments] { render(*command, *arguments); });
 }
 
 }  // namespace knotreel::cli

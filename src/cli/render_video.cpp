@@ -85,7 +85,7 @@ void tell(const RenderVideo& arguments, const pipeline::Summary& summary) {
 }  // namespace
 
 void add_render_video_options(CLI::App& command, RenderVideo& options) {
-  command.option_defaults()->group("Videos");
+  command.option_defaults()->group(kVideoGroup);
   command.add_option("--frames", options.frames, "Only these frames, counted from 0; A- is up to the end")
       ->type_name("A-B");
   command

@@ -85,6 +85,10 @@ TEST_F(CliVideo, RenderMakesPicturesOfARange) {
   EXPECT_FALSE(std::filesystem::exists(path("f_04.png")));
   EXPECT_TRUE(read_text(path("f_02.png")) == read_text(path("third.png")));
   expect_failure(knotreel({"render", document_, "-o", path("x.mkv"), "--frames", "4-6"}), 2);
+  // What would be without effect is refused, rather than another frame drawn.
+  expect_failure(knotreel({"render", document_, "-o", path("x.png"), "--frames", "3"}), 2);
+  expect_failure(knotreel({"render", document_, "-o", path("x.png"), "--fps", "50"}), 2);
+  expect_failure(knotreel({"render", document_, "-o", path("x.mkv"), "--frame", "3"}), 2);
 }
 
 TEST_F(CliVideo, RenderCutsPartsOutOfVideos) {
