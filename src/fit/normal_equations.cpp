@@ -3,7 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <limits>
+#include <memory>
 #include <numeric>
+#include <vector>
 
 #include "base/multiversion.h"
 #include "knotreel/base/parallel.h"
@@ -15,230 +18,294 @@ namespace {
 using spline::FunctionIndex;
 using spline::GridValues;
 
-/// Bounds of the pixels of a function, ends excluded: rows, columns and both diagonals, so that neighbours
-/// whose boxes merely touch at their corners are told apart.
-struct Box {
-  std::int32_t left = 0;
-  std::int32_t right = 0;
-  std::int32_t top = 0;
-  std::int32_t bottom = 0;
-  std::int32_t sum_low = 0;  ///< of x + y
-  std::int32_t sum_high = 0;
-  std::int32_t difference_low = 0;  ///< of x - y
-  std::int32_t difference_high = 0;
+constexpr int kTile = 8;  // pixels
+constexpr std::size_t kTilePixels = std::size_t{kTile} * kTile;
 
-  bool empty() const { return left >= right || top >= bottom; }
-  bool overlaps(const Box& other) const {
-    return left < other.right && other.left < right && top < other.bottom && other.top < bottom &&
-           sum_low < other.sum_high && other.sum_low < sum_high && difference_low < other.difference_high &&
-           other.difference_low < difference_high;
-  }
-  void add(std::int32_t y, std::int32_t begin, std::int32_t end) {
-    if (empty()) *this = {begin, end, y, y + 1, begin + y, end + y, begin - y, end - y};
-    left = std::min(left, begin);
-    right = std::max(right, end);
-    bottom = y + 1;
-    sum_low = std::min(sum_low, begin + y);
-    sum_high = std::max(sum_high, end + y);
-    difference_low = std::min(difference_low, begin - y);
-    difference_high = std::max(difference_high, end - y);
-  }
-};
+/// A row of pixels of a tile.
+using Row [[gnu::vector_size(kTile * sizeof(double))]] = double;
 
-std::vector<Box> boxes_of(const GridValues& grid) {
-  std::vector<Box> boxes(grid.row_begin.size() - 1);
-  for (FunctionIndex f = 0; f < boxes.size(); ++f) {
-    for (const GridValues::Row& row : grid.rows_of(f)) {
-      if (row.x_begin < row.x_end) boxes[f].add(row.y, row.x_begin, row.x_end);
-    }
-  }
-  return boxes;
+constexpr std::size_t kBlock = 4;  ///< functions that are multiplied with as many others at a time
+
+std::size_t padded(std::size_t count) {
+  return (count + kBlock - 1) / kBlock * kBlock;
 }
 
-/// Functions by square cells of pixels that their boxes touch.
-class BoxIndex {
+/// Functions by tiles of 8x8 pixels that their rows touch, and tiles by functions.
+class TileIndex {
  public:
-  BoxIndex(const std::vector<Box>& boxes, int width, int height)
-      : boxes_(boxes),
-        columns_(static_cast<std::size_t>(width / kCell) + 1),
-        begin_(columns_ * (static_cast<std::size_t>(height / kCell) + 1) + 1, 0) {
-    for (const Box& box : boxes_) for_cells(box, [&](std::size_t cell) { ++begin_[cell + 1]; });
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    entries_.resize(begin_.back());
-    std::vector<std::size_t> cursor(begin_.begin(), begin_.end() - 1);
-    for (FunctionIndex f = 0; f < boxes_.size(); ++f) {
-      for_cells(boxes_[f], [&](std::size_t cell) { entries_[cursor[cell]++] = f; });
-    }
-  }
+  /// A function in a tile.
+  struct Place {
+    std::uint32_t tile;
+    std::uint32_t number;  ///< of the function among those of the tile
+  };
 
-  /// Functions from f on whose boxes overlap that of f, ascending.
-  /// @param seen one per function, all kNoFunction at first; kept between calls.
-  void later_neighbours(FunctionIndex f, std::vector<FunctionIndex>& seen,
-                        std::vector<FunctionIndex>& out) const {
-    out.clear();
-    for_cells(boxes_[f], [&](std::size_t cell) {
-      for (std::size_t i = begin_[cell]; i < begin_[cell + 1]; ++i) {
-        const FunctionIndex g = entries_[i];
-        if (g < f || seen[g] == f) continue;
-        seen[g] = f;
-        if (boxes_[g].overlaps(boxes_[f])) out.push_back(g);
-      }
-    });
-    std::sort(out.begin(), out.end());
-  }
-
- private:
-  static constexpr int kCell = 16;
-
-  template <class Visit>
-  void for_cells(const Box& box, Visit&& visit) const {
-    if (box.empty()) return;
-    for (int y = box.top / kCell; y <= (box.bottom - 1) / kCell; ++y) {
-      for (int x = box.left / kCell; x <= (box.right - 1) / kCell; ++x) {
-        visit(static_cast<std::size_t>(y) * columns_ + static_cast<std::size_t>(x));
-      }
-    }
-  }
-
-  const std::vector<Box>& boxes_;
-  std::size_t columns_;
-  std::vector<std::size_t> begin_;
-  std::vector<FunctionIndex> entries_;
-};
-
-/// Values times the weights of their pixels. Most functions have pixels of weight 1 only: their values serve
-/// as they are.
-class WeightedValues {
- public:
-  /// Both must outlive this.
-  WeightedValues(const GridValues& grid, std::span<const float> weights, int width)
-      : grid_(grid), begin_(grid.row_begin.size(), 0) {
-    if (weights.empty()) return;
+  /// @param active as in assemble(). @param begin, end of the rows of pixels.
+  TileIndex(const GridValues& grid, std::span<const std::uint8_t> active, int width, int begin, int end)
+      : columns_(static_cast<std::size_t>((width + kTile - 1) / kTile)), top_(begin / kTile) {
+    const auto rows = static_cast<std::size_t>((end + kTile - 1) / kTile - top_);
     const std::size_t functions = grid.row_begin.size() - 1;
-    std::vector<std::uint8_t> plain(functions);
-    parallel_for(functions, [&](std::size_t f) {
-      const auto rows = grid.rows_of(static_cast<FunctionIndex>(f));
-      plain[f] = std::all_of(rows.begin(), rows.end(), [&](const GridValues::Row& row) {
-        const auto w = weights_of(row, weights, width);
-        return std::all_of(w.begin(), w.end(), [](float v) { return v == 1; });
-      });
-    });
-    for (std::size_t f = 0; f < functions; ++f) {
-      begin_[f + 1] = begin_[f] + (plain[f] ? 0 : size_of(grid.rows_of(static_cast<FunctionIndex>(f))));
+    place_begin_.assign(functions + 1, 0);
+    for (FunctionIndex f = 0; f < functions; ++f) {
+      if (active.empty() || active[f])
+        for_tiles(grid.rows_of(f), [&](std::size_t tile) { places_.push_back({std::uint32_t(tile), 0}); });
+      place_begin_[f + 1] = places_.size();
     }
-    values_.resize(begin_.back());
-    parallel_for(functions, [&](std::size_t f) {
-      if (plain[f]) return;
-      const auto rows = grid.rows_of(static_cast<FunctionIndex>(f));
-      for (const GridValues::Row& row : rows) {
-        const double* from = grid.values.data() + row.offset;
-        double* to = values_.data() + begin_[f] + (row.offset - rows.front().offset);
-        for (const float w : weights_of(row, weights, width)) *to++ = *from++ * static_cast<double>(w);
+    begin_.assign(columns_ * rows + 1, 0);
+    for (const Place& place : places_) ++begin_[place.tile + 1];
+    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
+    functions_.resize(places_.size());
+    std::vector<std::size_t> cursor(begin_.begin(), begin_.end() - 1);
+    for (FunctionIndex f = 0; f < functions; ++f) {
+      for (std::size_t i = place_begin_[f]; i < place_begin_[f + 1]; ++i) {
+        std::size_t& at = cursor[places_[i].tile];
+        places_[i].number = static_cast<std::uint32_t>(at - begin_[places_[i].tile]);
+        functions_[at++] = f;
+      }
+    }
+  }
+
+  std::size_t tiles() const { return begin_.size() - 1; }
+  int left(std::size_t tile) const { return static_cast<int>(tile % columns_) * kTile; }
+  int top(std::size_t tile) const { return (top_ + static_cast<int>(tile / columns_)) * kTile; }
+
+  /// Ascending.
+  std::span<const FunctionIndex> functions(std::size_t tile) const {
+    return std::span(functions_).subspan(begin_[tile], begin_[tile + 1] - begin_[tile]);
+  }
+  /// From top to bottom, from left to right.
+  std::span<const Place> places(FunctionIndex f) const {
+    return std::span(places_).subspan(place_begin_[f], place_begin_[f + 1] - place_begin_[f]);
+  }
+
+ private:
+  template <class Visit>
+  void for_tiles(std::span<const GridValues::Row> rows, Visit&& visit) const {
+    for (std::size_t i = 0; i < rows.size();) {
+      const int tile_row = rows[i].y / kTile;
+      int low = std::numeric_limits<int>::max();
+      int high = 0;
+      for (; i < rows.size() && rows[i].y / kTile == tile_row; ++i) {
+        if (rows[i].x_begin >= rows[i].x_end) continue;
+        low = std::min(low, rows[i].x_begin);
+        high = std::max(high, rows[i].x_end);
+      }
+      for (int c = low / kTile; c * kTile < high; ++c)
+        visit(static_cast<std::size_t>(tile_row - top_) * columns_ + static_cast<std::size_t>(c));
+    }
+  }
+
+  std::size_t columns_;
+  int top_;  ///< tile row of the first tile
+  std::vector<std::size_t> begin_;
+  std::vector<FunctionIndex> functions_;
+  std::vector<std::size_t> place_begin_;
+  std::vector<Place> places_;
+};
+
+/// The pixels of a tile, row by row; those beside the picture have no weight.
+struct TilePixels {
+  bool weighted = false;  ///< whether some pixel has another weight than 1
+  std::array<double, kTilePixels> weights{};
+  std::array<double, kBlock * kTilePixels> samples{};  ///< channel by channel
+};
+
+TilePixels pixels_of(const image::Image& target, std::span<const float> weights, int left, int top) {
+  TilePixels tile;
+  const auto channels = static_cast<std::size_t>(target.channels);
+  for (int y = top; y < std::min(top + kTile, target.height); ++y) {
+    for (int x = left; x < std::min(left + kTile, target.width); ++x) {
+      const auto from = static_cast<std::size_t>(y) * std::size_t(target.width) + static_cast<std::size_t>(x);
+      const auto to = static_cast<std::size_t>((y - top) * kTile + (x - left));
+      tile.weights[to] = weights.empty() ? 1 : static_cast<double>(weights[from]);
+      tile.weighted = tile.weighted || tile.weights[to] != 1;
+      for (std::size_t c = 0; c < channels; ++c)
+        tile.samples[c * kTilePixels + to] = static_cast<double>(target.samples[from * channels + c]);
+    }
+  }
+  return tile;
+}
+
+using RowMask [[gnu::vector_size(sizeof(Row))]] = std::int64_t;
+constexpr std::int64_t kFromMiddle[2 * kTile] = {0, 0, 0, 0, 0, 0, 0, 0, -1, -1, -1, -1, -1, -1, -1, -1};
+constexpr std::int64_t kToMiddle[2 * kTile] = {-1, -1, -1, -1, -1, -1, -1, -1, 0, 0, 0, 0, 0, 0, 0, 0};
+
+/// Copies the values of functions within a tile, function by function; padding is zero.
+KNOTREEL_MULTIVERSION
+void gather(const GridValues& grid, std::span<const FunctionIndex> functions, int left, int top,
+            double* out) {
+  for (std::size_t i = 0; i < padded(functions.size()); ++i) {
+    RowMask rows[kTile] = {};
+    if (i < functions.size()) {
+      const auto all = grid.rows_of(functions[i]);
+      const int from = std::max(top, all.front().y);
+      const int to = std::min(top + kTile, all.back().y + 1);
+      const GridValues::Row* row = all.data() + (from - all.front().y);
+      for (int y = from; y < to; ++y, ++row) {
+        // Values of the neighbouring rows are read, and left out: quicker than a loop over a few pixels.
+        if (row->x_begin >= left + kTile || row->x_end <= left) continue;
+        RowMask values;
+        RowMask from_begin;
+        RowMask to_end;
+        std::memcpy(&values, grid.values.data() + row->offset + (left - row->x_begin), sizeof values);
+        std::memcpy(&from_begin, kFromMiddle + kTile - std::clamp(row->x_begin - left, 0, kTile),
+                    sizeof values);
+        std::memcpy(&to_end, kToMiddle + kTile - std::clamp(row->x_end - left, 0, kTile), sizeof values);
+        rows[y - top] = values & from_begin & to_end;
+      }
+    }
+    std::memcpy(out + i * kTilePixels, rows, sizeof rows);
+  }
+}
+
+/// All products of kBlock functions with kBlock others, summed over the pixels of a tile: columns first, so
+/// that the width of vectors makes no difference.
+KNOTREEL_MULTIVERSION
+void multiply_block(const double* a, const double* b, double* out) {
+  Row sums[kBlock][kBlock] = {};
+  for (std::size_t p = 0; p < kTilePixels; p += kTile) {
+    Row right[kBlock];
+    for (std::size_t j = 0; j < kBlock; ++j) std::memcpy(&right[j], b + j * kTilePixels + p, sizeof(Row));
+    for (std::size_t i = 0; i < kBlock; ++i) {
+      Row left;
+      std::memcpy(&left, a + i * kTilePixels + p, sizeof left);
+      for (std::size_t j = 0; j < kBlock; ++j) sums[i][j] += left * right[j];
+    }
+  }
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    for (std::size_t j = 0; j < kBlock; ++j) {
+      const Row& s = sums[i][j];
+      out[i * kBlock + j] = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+    }
+  }
+}
+
+/// Where the products of function i of a tile with itself and all later ones begin.
+constexpr std::size_t row_begin(std::size_t i, std::size_t count) {
+  return i * (2 * count - i + 1) / 2;
+}
+
+/// Sums over the pixels of a tile of the products of its functions: for each function those with itself and
+/// all later ones, one row after the other, without gaps.
+/// @param weighted the values again, times the weights of the pixels.
+void multiply(const double* values, const double* weighted, std::size_t count, double* products) {
+  std::array<double, kBlock * kBlock> block;
+  for (std::size_t i = 0; i < count; i += kBlock) {
+    for (std::size_t j = i; j < count; j += kBlock) {
+      multiply_block(values + i * kTilePixels, weighted + j * kTilePixels, block.data());
+      for (std::size_t k = 0; k < std::min(kBlock, count - i); ++k) {
+        double* row = products + row_begin(i + k, count);
+        const std::size_t first = j == i ? k : 0;
+        for (std::size_t l = first; l < std::min(kBlock, count - j); ++l)
+          row[j + l - (i + k)] = block[k * kBlock + l];
+      }
+    }
+  }
+}
+
+/// What the pixels of each tile add to the normal equations.
+class TileSums {
+ public:
+  TileSums(const GridValues& grid, const TileIndex& index, const image::Image& target,
+           std::span<const float> weights)
+      : product_begin_(index.tiles() + 1, 0), right_begin_(index.tiles() + 1, 0) {
+    for (std::size_t t = 0; t < index.tiles(); ++t) {
+      const std::size_t n = index.functions(t).size();
+      product_begin_[t + 1] = product_begin_[t] + n * (n + 1) / 2;
+      right_begin_[t + 1] = right_begin_[t] + kBlock * padded(n);
+    }
+    products_ = std::make_unique_for_overwrite<double[]>(product_begin_.back());
+    right_ = std::make_unique_for_overwrite<double[]>(right_begin_.back());
+    constexpr std::size_t kTiles = 16;
+    parallel_for((index.tiles() + kTiles - 1) / kTiles, [&](std::size_t block) {
+      std::vector<double> values;
+      std::vector<double> weighted;
+      for (std::size_t t = block * kTiles; t < std::min(index.tiles(), (block + 1) * kTiles); ++t) {
+        const auto functions = index.functions(t);
+        if (functions.empty()) continue;
+        const TilePixels pixels = pixels_of(target, weights, index.left(t), index.top(t));
+        values.resize(padded(functions.size()) * kTilePixels);
+        gather(grid, functions, index.left(t), index.top(t), values.data());
+        if (pixels.weighted) {
+          weighted.resize(values.size());
+          for (std::size_t i = 0; i < values.size(); ++i)
+            weighted[i] = values[i] * pixels.weights[i % kTilePixels];
+        }
+        const double* right = pixels.weighted ? weighted.data() : values.data();
+        multiply(values.data(), right, functions.size(), products_.get() + product_begin_[t]);
+        for (std::size_t i = 0; i < functions.size(); i += kBlock) {
+          multiply_block(right + i * kTilePixels, pixels.samples.data(),
+                         right_.get() + right_begin_[t] + i * kBlock);
+        }
       }
     });
   }
 
-  /// Those of the first row of a function; the other rows follow as in the grid.
-  const double* of(FunctionIndex f) const {
-    if (begin_[f] < begin_[f + 1]) return values_.data() + begin_[f];
-    return grid_.values.data() + grid_.rows_of(f).front().offset;
+  /// Products of the functions of a tile from a number on with the function of that number.
+  /// @param count of functions of the tile.
+  const double* products(TileIndex::Place place, std::size_t count) const {
+    return products_.get() + product_begin_[place.tile] + row_begin(place.number, count);
+  }
+  /// Four channels.
+  const double* right(TileIndex::Place place) const {
+    return right_.get() + right_begin_[place.tile] + kBlock * std::size_t{place.number};
   }
 
  private:
-  static std::span<const float> weights_of(const GridValues::Row& row, std::span<const float> weights,
-                                           int width) {
-    return weights.subspan(static_cast<std::size_t>(row.y) * std::size_t(width) + std::size_t(row.x_begin),
-                           static_cast<std::size_t>(row.x_end - row.x_begin));
-  }
-
-  static std::size_t size_of(std::span<const GridValues::Row> rows) {
-    const GridValues::Row& last = rows.back();
-    return last.offset + static_cast<std::size_t>(last.x_end - last.x_begin) + GridValues::kPadding -
-           rows.front().offset;
-  }
-
-  const GridValues& grid_;
-  std::vector<std::size_t> begin_;
-  std::vector<double> values_;
+  std::vector<std::size_t> product_begin_;
+  std::vector<std::size_t> right_begin_;
+  std::unique_ptr<double[]> products_;  ///< not vectors, which would be zeroed first
+  std::unique_ptr<double[]> right_;
 };
-
-/// Four sums side by side: the order of additions is fixed, whatever the vector width.
-using Lanes [[gnu::vector_size(4 * sizeof(double))]] = double;
-
-/// Sum of the products of two functions over all pixels, the second one weighted: its values from the first
-/// row on.
-KNOTREEL_MULTIVERSION
-double product(const GridValues& grid, const double* weighted, FunctionIndex f, FunctionIndex g) {
-  const auto a = grid.rows_of(f);
-  const auto b = grid.rows_of(g);
-  const std::int32_t top = std::max(a.front().y, b.front().y);
-  const std::int32_t bottom = std::min(a.back().y, b.back().y) + 1;
-  const GridValues::Row* p = a.data() + (top - a.front().y);
-  const GridValues::Row* q = b.data() + (top - b.front().y);
-  Lanes sums{};
-  for (std::int32_t y = top; y < bottom; ++y, ++p, ++q) {
-    const std::int32_t from = std::max(p->x_begin, q->x_begin);
-    const std::int32_t to = std::min(p->x_end, q->x_end);
-    const double* u = grid.values.data() + p->offset + (from - p->x_begin);
-    const double* v = weighted + (q->offset - b.front().offset) + (from - q->x_begin);
-    // The last block may run into the padding of the row that ends first.
-    for (std::int32_t x = from; x < to; x += 4, u += 4, v += 4) {
-      Lanes s;
-      Lanes t;
-      std::memcpy(&s, u, sizeof s);
-      std::memcpy(&t, v, sizeof t);
-      sums += s * t;
-    }
-  }
-  return (sums[0] + sums[1]) + (sums[2] + sums[3]);
-}
 
 struct Entry {
   FunctionIndex row;
   double value;
 };
 
-/// The samples of a picture, padded to four channels.
-using Samples = std::vector<std::array<float, 4>>;
+/// Sums up columns of the matrix; one per thread.
+class ColumnSum {
+ public:
+  explicit ColumnSum(std::size_t functions) : slot_(functions), seen_(functions, spline::kNoFunction) {}
 
-Samples padded(const image::Image& image) {
-  const auto channels = static_cast<std::size_t>(image.channels);
-  Samples samples(image.pixel_count());
-  for (std::size_t i = 0; i < samples.size(); ++i) {
-    for (std::size_t c = 0; c < channels; ++c) samples[i][c] = image.samples[i * channels + c];
-  }
-  return samples;
-}
-
-/// The sum over the pixels of a function of its weighted values times the samples.
-KNOTREEL_MULTIVERSION
-std::array<double, 4> product(std::span<const GridValues::Row> rows, const double* weighted,
-                              const std::array<float, 4>* target, std::size_t width) {
-  std::array<double, 4> sum{};
-  for (const GridValues::Row& row : rows) {
-    const double* v = weighted + (row.offset - rows.front().offset);
-    const std::array<float, 4>* pixel =
-        target + static_cast<std::size_t>(row.y) * width + static_cast<std::size_t>(row.x_begin);
-    for (std::int32_t i = 0; i < row.x_end - row.x_begin; ++i) {
-      for (std::size_t c = 0; c < 4; ++c) sum[c] += v[i] * static_cast<double>(pixel[i][c]);
+  /// The lower half of column f, ascending, zeros left out but for the diagonal.
+  void add(FunctionIndex f, const TileIndex& index, const TileSums& sums, std::vector<Entry>& column) {
+    column.clear();
+    column.push_back({f, 0.0});
+    seen_[f] = f;
+    slot_[f] = 0;
+    for (const TileIndex::Place place : index.places(f)) {
+      const auto functions = index.functions(place.tile);
+      const double* products = sums.products(place, functions.size());
+      for (const FunctionIndex g : functions.subspan(place.number)) {
+        if (seen_[g] != f) {
+          seen_[g] = f;
+          slot_[g] = static_cast<std::uint32_t>(column.size());
+          column.push_back({g, 0.0});
+        }
+        column[slot_[g]].value += *products++;
+      }
     }
+    std::erase_if(column, [f](const Entry& e) { return e.value == 0 && e.row != f; });
+    std::sort(column.begin(), column.end(), [](const Entry& a, const Entry& b) { return a.row < b.row; });
   }
-  return sum;
-}
+
+ private:
+  std::vector<std::uint32_t> slot_;
+  std::vector<FunctionIndex> seen_;
+};
 
 Eigen::SparseMatrix<double> to_matrix(const std::vector<std::vector<Entry>>& columns) {
   const auto n = static_cast<Eigen::Index>(columns.size());
+  std::size_t count = 0;
+  for (const auto& column : columns) count += column.size();
   Eigen::SparseMatrix<double> matrix(n, n);
-  Eigen::VectorXi sizes(n);
-  for (Eigen::Index f = 0; f < n; ++f)
-    sizes[f] = static_cast<int>(columns[static_cast<std::size_t>(f)].size());
-  matrix.reserve(sizes);
+  matrix.reserve(static_cast<Eigen::Index>(count));
   for (Eigen::Index f = 0; f < n; ++f) {
-    for (const Entry& e : columns[static_cast<std::size_t>(f)]) {
-      matrix.insert(static_cast<Eigen::Index>(e.row), f) = e.value;
-    }
+    matrix.startVec(f);
+    for (const Entry& e : columns[static_cast<std::size_t>(f)])
+      matrix.insertBack(static_cast<Eigen::Index>(e.row), f) = e.value;
   }
-  matrix.makeCompressed();
+  matrix.finalize();
   return matrix;
 }
 
@@ -251,35 +318,20 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
   NormalEquations normal;
   normal.right.setZero(n, target.channels);
   normal.matrix.resize(n, n);
-  const Samples samples = padded(target);
-  values.for_bands([&](const GridValues& grid, int, int) {
-    const WeightedValues weighted(grid, weights, values.width());
-    std::vector<Box> boxes = boxes_of(grid);
-    for (std::size_t f = 0; f < active.size(); ++f) {
-      if (!active[f]) boxes[f] = {};
-    }
-    const BoxIndex index(boxes, values.width(), values.height());
+  values.for_bands([&](const GridValues& grid, int begin, int end) {
+    const TileIndex index(grid, active, values.width(), begin, end);
+    const TileSums sums(grid, index, target, weights);
     std::vector<std::vector<Entry>> columns(functions);
     const std::size_t block_size =
         std::max<std::size_t>(64, functions / 64);  // each clears a list of all functions
     parallel_for((functions + block_size - 1) / block_size, [&](std::size_t block) {
-      std::vector<FunctionIndex> neighbours;
-      std::vector<FunctionIndex> seen(functions, spline::kNoFunction);
+      ColumnSum column(functions);
       for (std::size_t i = block * block_size; i < std::min(functions, (block + 1) * block_size); ++i) {
         const auto f = static_cast<FunctionIndex>(i);
-        if (boxes[f].empty()) {
-          columns[f].push_back({f, 0.0});
-          continue;
-        }
-        index.later_neighbours(f, seen, neighbours);
-        for (const FunctionIndex g : neighbours) {
-          const double sum = product(grid, weighted.of(g), f, g);
-          if (sum != 0 || g == f) columns[f].push_back({g, sum});
-        }
-        const std::array<double, 4> sum =
-            product(grid.rows_of(f), weighted.of(f), samples.data(), static_cast<std::size_t>(target.width));
-        for (Eigen::Index c = 0; c < target.channels; ++c) {
-          normal.right(static_cast<Eigen::Index>(f), c) += sum[static_cast<std::size_t>(c)];
+        column.add(f, index, sums, columns[f]);
+        for (const TileIndex::Place place : index.places(f)) {
+          for (Eigen::Index c = 0; c < target.channels; ++c)
+            normal.right(static_cast<Eigen::Index>(f), c) += sums.right(place)[c];
         }
       }
     });

@@ -1,9 +1,7 @@
 #include "knotreel/fit/pixel_values.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <numeric>
 
 #include "base/multiversion.h"
 #include "knotreel/base/error.h"
@@ -16,62 +14,56 @@ namespace {
 // Pixels of a band: about 250 MB of values.
 constexpr int kBandPixels = 1 << 22;
 
-/// For each pixel row, the function rows in it.
-class RowIndex {
- public:
-  struct Entry {
-    spline::FunctionIndex function;
-    const spline::GridValues::Row* row;
-  };
+// Rows of pixels that are made at a time: all functions are looked at for each lot of them.
+constexpr int kLot = 32;
 
-  RowIndex(const spline::GridValues& grid, int begin, int end)
-      : first_(begin), begin_(static_cast<std::size_t>(end - begin) + 1, 0) {
-    for (const auto& r : grid.rows) ++begin_[static_cast<std::size_t>(r.y - first_) + 1];
-    std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
-    entries_.resize(grid.rows.size());
-    std::vector<std::size_t> cursor(begin_.begin(), begin_.end() - 1);
-    for (spline::FunctionIndex f = 0; f + 1 < grid.row_begin.size(); ++f) {
-      for (const auto& r : grid.rows_of(f)) {
-        entries_[cursor[static_cast<std::size_t>(r.y - first_)]++] = {f, &r};
-      }
-    }
-  }
-
-  std::span<const Entry> row(int y) const {
-    const auto i = static_cast<std::size_t>(y - first_);
-    return std::span(entries_).subspan(begin_[i], begin_[i + 1] - begin_[i]);
-  }
-
- private:
-  int first_;
-  std::vector<std::size_t> begin_;
-  std::vector<Entry> entries_;
+/// Sums of some rows of pixels, channel by channel, because vectors of pixels want no interleaving.
+struct Planes {
+  int top;
+  std::size_t width;
+  std::size_t size;  ///< of one channel
+  double* sums;
 };
 
-/// out[c][i] += values[i] * control[c] for all channels.
 template <std::size_t Channels>
-[[gnu::always_inline]] inline void add_channels(const double* __restrict values, const double* control,
-                                                std::int32_t count, const std::array<double*, 4>& out) {
-  for (std::size_t c = 0; c < Channels; ++c) {
-    double* __restrict to = out[c];
-    const double weight = control[c];
-    for (std::int32_t i = 0; i < count; ++i) to[i] += values[i] * weight;
+[[gnu::always_inline]] inline void add_channels(std::span<const spline::GridValues::Row> rows,
+                                                const double* values, const double* control,
+                                                const Planes& planes) {
+  for (const spline::GridValues::Row& row : rows) {
+    const double* __restrict v = values + row.offset;
+    const std::int32_t count = row.x_end - row.x_begin;
+    double* to = planes.sums + static_cast<std::size_t>(row.y - planes.top) * planes.width + row.x_begin;
+    for (std::size_t c = 0; c < Channels; ++c, to += planes.size) {
+      double* __restrict sums = to;
+      const double weight = control[c];
+      for (std::int32_t i = 0; i < count; ++i) sums[i] += v[i] * weight;
+    }
   }
 }
 
+/// Adds a function times a control point in some rows.
 KNOTREEL_MULTIVERSION
-void add_span(const double* values, const double* control, std::size_t channels, std::int32_t count,
-              const std::array<double*, 4>& out) {
+void add_function(std::span<const spline::GridValues::Row> rows, const double* values, const double* control,
+                  std::size_t channels, const Planes& planes) {
   switch (channels) {
     case 1:
-      return add_channels<1>(values, control, count, out);
+      return add_channels<1>(rows, values, control, planes);
     case 2:
-      return add_channels<2>(values, control, count, out);
+      return add_channels<2>(rows, values, control, planes);
     case 3:
-      return add_channels<3>(values, control, count, out);
+      return add_channels<3>(rows, values, control, planes);
     default:
-      return add_channels<4>(values, control, count, out);
+      return add_channels<4>(rows, values, control, planes);
   }
+}
+
+/// Those of consecutive rows that are within [begin, end).
+std::span<const spline::GridValues::Row> between(std::span<const spline::GridValues::Row> rows, int begin,
+                                                 int end) {
+  if (rows.empty()) return rows;
+  const int first = std::clamp(begin - rows.front().y, 0, static_cast<int>(rows.size()));
+  const int last = std::clamp(end - rows.front().y, first, static_cast<int>(rows.size()));
+  return rows.subspan(static_cast<std::size_t>(first), static_cast<std::size_t>(last - first));
 }
 
 }  // namespace
@@ -103,21 +95,21 @@ void surface_at_pixels(const PixelValues& values, std::span<const double> contro
   const auto width = static_cast<std::size_t>(values.width());
   const auto channels = static_cast<std::size_t>(channel_count);
   values.for_bands([&](const spline::GridValues& grid, int begin, int end) {
-    const RowIndex index(grid, begin, end);
-    parallel_for(static_cast<std::size_t>(end - begin), [&](std::size_t i) {
-      const int y = begin + static_cast<int>(i);
-      // Channel by channel, because vectors of pixels want no interleaving.
-      thread_local std::vector<double> planes;
-      planes.assign(width * channels, 0.0);
-      for (const RowIndex::Entry& e : index.row(y)) {
-        std::array<double*, 4> at{};
-        for (std::size_t c = 0; c < channels; ++c) at[c] = planes.data() + c * width + e.row->x_begin;
-        add_span(grid.values.data() + e.row->offset, control.data() + e.function * channels, channels,
-                 e.row->x_end - e.row->x_begin, at);
+    parallel_for(static_cast<std::size_t>((end - begin + kLot - 1) / kLot), [&](std::size_t lot) {
+      const int top = begin + static_cast<int>(lot) * kLot;
+      const int bottom = std::min(end, top + kLot);
+      const std::size_t pixels = static_cast<std::size_t>(bottom - top) * width;
+      thread_local std::vector<double> sums;
+      sums.assign(pixels * channels, 0.0);
+      const Planes planes{top, width, pixels, sums.data()};
+      for (spline::FunctionIndex f = 0; f + 1 < grid.row_begin.size(); ++f) {
+        const auto rows = between(grid.rows_of(f), top, bottom);
+        if (!rows.empty())
+          add_function(rows, grid.values.data(), control.data() + f * channels, channels, planes);
       }
-      double* row = out.data() + static_cast<std::size_t>(y) * width * channels;
-      for (std::size_t x = 0; x < width; ++x) {
-        for (std::size_t c = 0; c < channels; ++c) row[x * channels + c] = planes[c * width + x];
+      double* to = out.data() + static_cast<std::size_t>(top) * width * channels;
+      for (std::size_t i = 0; i < pixels; ++i) {
+        for (std::size_t c = 0; c < channels; ++c) to[i * channels + c] = sums[c * pixels + i];
       }
     });
   });

@@ -252,13 +252,13 @@ GridValues lay_out(const SplineSpace& space, const PieceSet& set, const Reaches&
       row.x_end = std::max(row.x_end, reaches.reaches[i].end);
     }
   });
-  std::size_t offset = 0;
+  std::size_t offset = GridValues::kMargin;
   for (GridValues::Row& row : grid.rows) {
     row.x_begin = std::min(row.x_begin, row.x_end);
     row.offset = offset;
-    offset += static_cast<std::size_t>(row.x_end - row.x_begin) + GridValues::kPadding;
+    offset += static_cast<std::size_t>(row.x_end - row.x_begin);
   }
-  grid.values.assign(offset, 0.0);
+  grid.values.assign(offset + GridValues::kMargin, 0.0);
   return grid;
 }
 

@@ -69,10 +69,10 @@ struct ScatteredValues {
 
 /// All basis functions on a grid of pixels, function by function: rows [row_begin[f], row_begin[f+1]) of
 /// `rows` are consecutive pixel rows; each holds the values of pixels [x_begin, x_end) from `offset` in
-/// `values`. Pixels outside are zero; inside, zeros are possible. Each row of values is followed by kPadding
-/// zeros, so that loops over blocks of pixels need no special end.
+/// `values`. Pixels outside are zero; inside, zeros are possible. Before the first row and after the last one
+/// there are kMargin zeros, so that blocks of pixels may be read that reach beyond a row.
 struct GridValues {
-  static constexpr std::size_t kPadding = 3;
+  static constexpr std::size_t kMargin = 8;
   struct Row {
     std::int32_t y;
     std::int32_t x_begin;
