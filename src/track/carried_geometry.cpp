@@ -1,6 +1,7 @@
 #include "track/carried_geometry.h"
 
 #include <algorithm>
+#include <cmath>
 #include <unordered_map>
 #include <utility>
 
@@ -25,6 +26,8 @@ std::vector<Name> group_names(const spline::SplineSpace& space) {
   }
   return names;
 }
+
+constexpr double kTrace = 1 / 32.0;  // pixels: half of the usual step of a document
 
 struct Mean {
   Vec2 sum;
@@ -74,6 +77,12 @@ std::vector<Vec2> carried_displacement(const spline::SplineSpace& from, std::spa
     if (mean.count > 0) result[g] = (1 / mean.count) * mean.sum;
   }
   return result;
+}
+
+void drop_traces(std::span<Vec2> displacement) {
+  for (Vec2& d : displacement) {
+    if (std::abs(d.x) < kTrace && std::abs(d.y) < kTrace) d = {};
+  }
 }
 
 }  // namespace knotreel::track

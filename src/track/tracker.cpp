@@ -260,6 +260,7 @@ class Tracker::Impl {
     auto space = std::make_shared<const spline::SplineSpace>(
         links.space_over(std::move(mesh), cold_.degree, *target_));
     displacement_ = carried_displacement(*space_, displacement_, *space);
+    drop_traces(displacement_);
     space_ = std::move(space);
     basis_ = std::make_shared<const spline::Basis>(space_);
     lap("space");
@@ -271,6 +272,7 @@ class Tracker::Impl {
     if (edges.rms <= options_.curve_error && !has_new_features_) return;
     has_new_features_ = false;
     bend_geometry(*basis_, edges.points, displacement_);
+    drop_traces(displacement_);
     fit::unfold_geometry(*basis_, displacement_);
     lap("geometry");
   }
