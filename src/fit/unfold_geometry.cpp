@@ -13,8 +13,8 @@ using spline::BasisJet;
 
 // The map may shrink areas to this share; below that it counts as about to fold.
 constexpr double kLeastArea = 0.05;
-constexpr double kShrink = 0.7;  // of displacements at folds, each time
-constexpr int kMaxRounds = 12;
+constexpr double kShrink = 0.85;  // of displacements at folds, each time
+constexpr int kMaxRounds = 24;
 constexpr double kAlong = 0.75;                     // pixels between samples along a feature
 constexpr double kAcross[] = {0.0, 0.7, 1.5, 3.0};  // pixels from the feature
 

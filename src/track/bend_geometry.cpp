@@ -2,12 +2,19 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <utility>
 
 namespace knotreel::track {
 
 namespace {
 
-constexpr double kStiffness = 0.3;  // of control points against changing, relative to a point of a curve
+// Weights, relative to that of a point of a curve.
+constexpr double kElasticity = 3;  // of the difference of two neighbours over their distance
+constexpr double kInertia = 0.05;  // of the change of a control point
+constexpr double kScreen = 0.005;  // of its displacement
+constexpr int kRings = 3;          // of control points around the curves that may change
+
+using NetEdge = std::pair<std::uint32_t, std::uint32_t>;
 
 std::vector<std::uint8_t> on_sides(const spline::SplineSpace& space) {
   std::vector<std::uint8_t> result;
@@ -17,58 +24,127 @@ std::vector<std::uint8_t> on_sides(const spline::SplineSpace& space) {
   return result;
 }
 
+/// Neighbours in the net of the geometry's control points.
+std::vector<NetEdge> net_edges(const spline::SplineSpace& space) {
+  std::vector<NetEdge> edges;
+  for (const spline::Config& config : space.configs()) {
+    for (std::size_t v = 0; v < 3; ++v) {
+      const spline::FunctionIndex f = config.functions[v];
+      const spline::FunctionIndex g = config.functions[(v + 1) % 3];
+      if (f == spline::kNoFunction || g == spline::kNoFunction) continue;
+      const NetEdge edge = std::minmax(space.geometry_of()[f], space.geometry_of()[g]);
+      if (edge.first != edge.second) edges.push_back(edge);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+/// Least-squares displacements of the control points around some curves, x and y apart.
+class ElasticSheet {
+ public:
+  ElasticSheet(const spline::Basis& basis, std::span<const fit::CurvePoint> points,
+               std::span<const Vec2> displacement)
+      : before_(displacement.begin(), displacement.end()), edges_(net_edges(basis.space())) {
+    std::vector<Vec2> parameters;
+    for (const fit::CurvePoint& p : points) parameters.push_back(p.parameter);
+    const spline::ScatteredValues values = basis.evaluate(parameters);
+    choose_groups(basis.space(), values);
+    point_right_ = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(groups_.size()), 2);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const auto here =
+          std::span(values.values).subspan(values.begin[i], values.begin[i + 1] - values.begin[i]);
+      add_point(basis.space(), here, points[i].position - points[i].parameter);
+    }
+    const std::vector<Vec2> sites = basis.space().geometry_greville();
+    for (const auto& [a, b] : edges_) {
+      const Vec2 d = sites[a] - sites[b];
+      elasticity_.push_back(kElasticity / (dot(d, d) + 1));  // never much more than a point
+    }
+  }
+
+  /// Changes nothing if that fails.
+  void solve(std::vector<Vec2>& displacement) const {
+    const auto n = static_cast<Eigen::Index>(groups_.size());
+    if (n == 0) return;
+    std::vector<Eigen::Triplet<double>> entries = point_entries_;
+    Eigen::MatrixXd right = point_right_;
+    const auto pull = [&](int row, double weight, Vec2 to) {
+      right(row, 0) += weight * to.x;
+      right(row, 1) += weight * to.y;
+    };
+    for (std::size_t e = 0; e < edges_.size(); ++e) {
+      const auto [a, b] = edges_[e];
+      const int i = row_of_[a];
+      const int j = row_of_[b];
+      if (i >= 0) entries.emplace_back(i, i, elasticity_[e]);
+      if (j >= 0) entries.emplace_back(j, j, elasticity_[e]);
+      if (i >= 0 && j >= 0) entries.emplace_back(std::max(i, j), std::min(i, j), -elasticity_[e]);
+      if (i >= 0 && j < 0) pull(i, elasticity_[e], before_[b]);
+      if (j >= 0 && i < 0) pull(j, elasticity_[e], before_[a]);
+    }
+    for (int i = 0; i < static_cast<int>(n); ++i) {
+      entries.emplace_back(i, i, kInertia + kScreen);
+      pull(i, kInertia, before_[groups_[static_cast<std::size_t>(i)]]);
+    }
+    Eigen::SparseMatrix<double> matrix(n, n);
+    matrix.setFromTriplets(entries.begin(), entries.end());
+    const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(matrix);
+    if (factor.info() != Eigen::Success) return;
+    const Eigen::MatrixXd result = factor.solve(right);
+    for (Eigen::Index i = 0; i < n; ++i)
+      displacement[groups_[static_cast<std::size_t>(i)]] = {result(i, 0), result(i, 1)};
+  }
+
+ private:
+  /// Those of the curves and of some rings around them.
+  void choose_groups(const spline::SplineSpace& space, const spline::ScatteredValues& values) {
+    std::vector<std::uint8_t> near(before_.size(), 0);
+    for (const spline::BasisValue& v : values.values) near[space.geometry_of()[v.function]] = 1;
+    for (int ring = 0; ring < kRings; ++ring) {
+      const std::vector<std::uint8_t> inner = near;
+      for (const auto& [a, b] : edges_) {
+        if (inner[a]) near[b] = 1;
+        if (inner[b]) near[a] = 1;
+      }
+    }
+    const std::vector<std::uint8_t> fixed = on_sides(space);
+    row_of_.assign(near.size(), -1);
+    for (std::uint32_t g = 0; g < near.size(); ++g) {
+      if (!near[g] || fixed[g]) continue;
+      row_of_[g] = static_cast<int>(groups_.size());
+      groups_.push_back(g);
+    }
+  }
+
+  void add_point(const spline::SplineSpace& space, std::span<const spline::BasisValue> values, Vec2 wanted) {
+    for (const spline::BasisValue& a : values) {
+      const int r = row_of_[space.geometry_of()[a.function]];
+      if (r < 0) continue;
+      point_right_(r, 0) += a.value * wanted.x;
+      point_right_(r, 1) += a.value * wanted.y;
+      for (const spline::BasisValue& b : values) {
+        const int c = row_of_[space.geometry_of()[b.function]];
+        if (c >= 0 && c <= r) point_entries_.emplace_back(r, c, a.value * b.value);
+      }
+    }
+  }
+
+  std::vector<Vec2> before_;
+  std::vector<NetEdge> edges_;
+  std::vector<double> elasticity_;  ///< by edge
+  std::vector<int> row_of_;         ///< by geometry group; -1: keeps its displacement
+  std::vector<std::uint32_t> groups_;
+  std::vector<Eigen::Triplet<double>> point_entries_;
+  Eigen::MatrixXd point_right_;
+};
+
 }  // namespace
 
 void bend_geometry(const spline::Basis& basis, std::span<const fit::CurvePoint> points,
                    std::vector<Vec2>& displacement) {
-  std::vector<Vec2> parameters;
-  for (const fit::CurvePoint& p : points) parameters.push_back(p.parameter);
-  const spline::ScatteredValues values = basis.evaluate(parameters);
-  const std::vector<Vec2> now = fit::image_points(basis, displacement, std::move(parameters));
-  const std::vector<std::uint8_t> fixed = on_sides(basis.space());
-  std::vector<int> column(displacement.size(), -1);
-  std::vector<std::uint32_t> groups;
-  const auto column_of = [&](const spline::BasisValue& v) {
-    const std::uint32_t group = basis.space().geometry_of()[v.function];
-    if (column[group] < 0 && !fixed[group]) {
-      column[group] = static_cast<int>(groups.size());
-      groups.push_back(group);
-    }
-    return column[group];
-  };
-  std::vector<Eigen::Triplet<double>> entries;
-  std::vector<Vec2> right;
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const Vec2 miss = points[i].position - now[i];
-    for (std::size_t a = values.begin[i]; a < values.begin[i + 1]; ++a) {
-      const int r = column_of(values.values[a]);
-      if (r < 0) continue;
-      right.resize(groups.size());
-      right[static_cast<std::size_t>(r)] = right[static_cast<std::size_t>(r)] + values.values[a].value * miss;
-      for (std::size_t b = values.begin[i]; b < values.begin[i + 1]; ++b) {
-        const int c = column_of(values.values[b]);
-        if (c >= 0 && c <= r) entries.emplace_back(r, c, values.values[a].value * values.values[b].value);
-      }
-    }
-  }
-  right.resize(groups.size());
-  const auto n = static_cast<Eigen::Index>(groups.size());
-  if (n == 0) return;
-  for (int i = 0; i < static_cast<int>(n); ++i) entries.emplace_back(i, i, kStiffness);
-  Eigen::SparseMatrix<double> matrix(n, n);
-  matrix.setFromTriplets(entries.begin(), entries.end());
-  const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(matrix);
-  if (factor.info() != Eigen::Success) return;
-  Eigen::MatrixXd wanted(n, 2);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    wanted(i, 0) = right[static_cast<std::size_t>(i)].x;
-    wanted(i, 1) = right[static_cast<std::size_t>(i)].y;
-  }
-  const Eigen::MatrixXd change = factor.solve(wanted);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    Vec2& d = displacement[groups[static_cast<std::size_t>(i)]];
-    d = d + Vec2{change(i, 0), change(i, 1)};
-  }
+  ElasticSheet(basis, points, displacement).solve(displacement);
 }
 
 }  // namespace knotreel::track

@@ -7,9 +7,10 @@
 
 namespace knotreel::track {
 
-/// Changes the geometry so that points of curves come to lie where they belong, as little as that takes:
-/// least squares over the points and, much weaker, over the changes of the control points. Those on the sides
-/// of the picture stay.
+/// Changes the geometry so that points of curves come to lie where they belong. The control points around the
+/// curves follow as those of an elastic sheet would, so that thin faces beside a curve are not turned over:
+/// least squares over the points, the differences between neighbours, and, much weaker, the displacements and
+/// their changes. Control points on the sides of the picture stay.
 /// @param displacement by geometry control point; changed in place.
 void bend_geometry(const spline::Basis& basis, std::span<const fit::CurvePoint> points,
                    std::vector<Vec2>& displacement);

@@ -13,7 +13,7 @@ struct SettleOptions {
   double least = 0.03;      ///< pixels; a knot whose steps got shorter has settled and rests
   /// So does one whose step would mend a smaller share of the mean error per knot: it would only flicker.
   double least_gain = 0.04;
-  int nap = 2;  ///< frames for which a knot that rests is not even looked at
+  int nap = 4;  ///< frames for which a knot that rests is not even looked at
 };
 
 /// Steps of knots against the gradient of the error, one per frame: each grows while its direction stays and

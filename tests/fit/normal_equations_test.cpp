@@ -1,0 +1,86 @@
+#include "fit/normal_equations.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Dense>
+
+#include "fit/fit_cases.h"
+#include "knotreel/base/parallel.h"
+#include "support/pictures.h"
+
+namespace knotreel::fit {
+namespace {
+
+using namespace knotreel::testing;
+
+/// A^T W A and A^T W b with a dense A, from the values at each pixel.
+struct Reference {
+  Eigen::MatrixXd matrix;
+  Eigen::MatrixXd right;
+};
+
+Reference reference(const spline::Basis& basis, const image::Image& target, std::span<const Vec2> places,
+                    std::span<const float> weights, std::span<const std::uint8_t> active) {
+  const auto pixels = static_cast<Eigen::Index>(target.pixel_count());
+  const auto functions = static_cast<Eigen::Index>(basis.space().function_count());
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(pixels, functions);
+  Eigen::MatrixXd b(pixels, target.channels);
+  Eigen::VectorXd w = Eigen::VectorXd::Ones(pixels);
+  std::vector<spline::BasisValue> values;
+  for (Eigen::Index i = 0; i < pixels; ++i) {
+    const auto pixel = static_cast<std::size_t>(i);
+    basis.evaluate(places.empty() ? pixel_centre(pixel, target.width) : places[pixel], values);
+    for (const auto& v : values) {
+      if (active.empty() || active[v.function]) a(i, static_cast<Eigen::Index>(v.function)) = v.value;
+    }
+    for (int c = 0; c < target.channels; ++c)
+      b(i, c) = static_cast<double>(target.samples[pixel * std::size_t(target.channels) + std::size_t(c)]);
+    if (!weights.empty()) w(i) = static_cast<double>(weights[pixel]);
+  }
+  return {a.transpose() * w.asDiagonal() * a, a.transpose() * w.asDiagonal() * b};
+}
+
+void expect_equal(const NormalEquations& fast, const Reference& slow, const std::string& name) {
+  const Eigen::MatrixXd matrix(fast.matrix);
+  for (Eigen::Index c = 0; c < matrix.cols(); ++c) {
+    for (Eigen::Index r = c; r < matrix.rows(); ++r)
+      ASSERT_NEAR(matrix(r, c), slow.matrix(r, c), 1e-8) << name << ", " << r << ", " << c;
+  }
+  ASSERT_LT((fast.right - slow.right).cwiseAbs().maxCoeff(), 1e-5) << name;
+  for (Eigen::Index c = 0; c < matrix.cols(); ++c) {
+    ASSERT_EQ(fast.matrix.innerIndexPtr()[fast.matrix.outerIndexPtr()[c]], c) << name << ": no diagonal";
+  }
+}
+
+TEST(NormalEquations, EqualDenseOnes) {
+  std::mt19937_64 random(41);
+  for (const auto& c : random_cases(41, 24)) {
+    for (const int degree : {1, 2, 3}) {
+      const spline::Basis basis(make_space(c.mesh, degree));
+      const int width = static_cast<int>(c.mesh.width);
+      const int height = static_cast<int>(c.mesh.height);
+      const image::Image target = test::random_picture(width, height, 1 + static_cast<int>(random() % 4), 5);
+      const auto pixels = static_cast<std::size_t>(target.pixel_count());
+      std::vector<Vec2> places;
+      std::vector<float> weights;
+      std::vector<std::uint8_t> active;
+      if (random() % 2) places = scattered_places(width, height, 1.2, random());
+      if (random() % 2) weights = random_weights(pixels, random());
+      if (random() % 2) {
+        for (std::size_t f = 0; f < basis.space().function_count(); ++f) active.push_back(random() % 3 > 0);
+      }
+      const PixelValues values(basis, width, height, places);
+      const NormalEquations fast = assemble(values, target, weights, active);
+      expect_equal(fast, reference(basis, target, places, weights, active), c.name);
+
+      const ThreadCap one(1);
+      const NormalEquations alone = assemble(values, target, weights, active);
+      ASSERT_TRUE(alone.right == fast.right) << c.name;
+      ASSERT_EQ(alone.matrix.nonZeros(), fast.matrix.nonZeros()) << c.name;
+      ASSERT_TRUE(Eigen::MatrixXd(alone.matrix) == Eigen::MatrixXd(fast.matrix)) << c.name;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace knotreel::fit

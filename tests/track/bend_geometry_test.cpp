@@ -1,0 +1,84 @@
+#include "track/bend_geometry.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <memory>
+#include <numbers>
+
+#include "support/mesh_cases.h"
+#include "track/carried_geometry.h"
+
+namespace knotreel::track {
+namespace {
+
+/// A feature with a row of knots close to it on one side.
+mesh::KnotMesh crowded_feature() {
+  testing::MeshBuilder b(64, 48);
+  b.segment(b.vertex(12, 24), b.vertex(52, 24), 3);
+  for (int i = 0; i < 9; ++i) b.free(13.3 + 4.6 * i, 24.9 + 0.05 * (i % 3));
+  for (int i = 0; i < 6; ++i) {
+    b.free(5.1 + 10.7 * i, 10.2 + 0.6 * (i % 2));
+    b.free(4.7 + 10.9 * i, 38.4 + 0.7 * (i % 2));
+  }
+  return b.triangulated();
+}
+
+/// Points of the feature, which is to become an arc.
+std::vector<fit::CurvePoint> arc(double height) {
+  std::vector<fit::CurvePoint> points;
+  for (int i = 0; i <= 28; ++i) {
+    const Vec2 p{12 + 40.0 * i / 28, 24};
+    points.push_back({p, p + Vec2{0, height * std::sin(std::numbers::pi * i / 28)}});
+  }
+  return points;
+}
+
+TEST(BendGeometry, CurvesComeToTheirPointsWithoutFolds) {
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(crowded_feature(), 2));
+  for (const double height : {-2.5, -1.0, 0.5, 1.0}) {
+    std::vector<Vec2> displacement(basis.space().geometry_count());
+    bend_geometry(basis, arc(height), displacement);
+    double sum = 0;
+    const std::vector<double> errors = fit::geometry_errors(basis, displacement, arc(height));
+    for (const double e : errors) sum += e;
+    EXPECT_LT(sum / static_cast<double>(errors.size()), 0.1 * std::abs(height)) << height;
+    std::vector<Vec2> unfolded = displacement;
+    EXPECT_EQ(fit::unfold_geometry(basis, unfolded), 0U) << height;
+    EXPECT_TRUE(unfolded == displacement) << height << ": it had folds";
+  }
+}
+
+TEST(BendGeometry, SidesStayAndWithoutCurvesEverythingDoes) {
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(crowded_feature(), 2));
+  const std::vector<Vec2> sites = basis.space().geometry_greville();
+  std::vector<Vec2> displacement(sites.size());
+  bend_geometry(basis, arc(2), displacement);
+  for (std::size_t g = 0; g < sites.size(); ++g) {
+    const Vec2 s = sites[g];
+    const bool inside = s.x > 0 && s.y > 0 && s.x < 64 && s.y < 48;
+    EXPECT_TRUE(inside || displacement[g] == Vec2{}) << g;
+  }
+  const std::vector<Vec2> before = displacement;
+  bend_geometry(basis, {}, displacement);
+  EXPECT_EQ(displacement, before) << "there was no curve to bend";
+}
+
+TEST(BendGeometry, DoingItAgainChangesLittle) {
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(crowded_feature(), 2));
+  std::vector<Vec2> displacement(basis.space().geometry_count());
+  for (int i = 0; i < 20; ++i) bend_geometry(basis, arc(2), displacement);
+  std::vector<Vec2> again = displacement;
+  bend_geometry(basis, arc(2), again);
+  for (std::size_t g = 0; g < again.size(); ++g) EXPECT_LT(norm(again[g] - displacement[g]), 0.01) << g;
+}
+
+TEST(DropTraces, OnlyWhatADocumentWouldStore) {
+  std::vector<Vec2> displacement{{0.031, -0.031}, {0.032, 0}, {0, -0.5}, {0.001, 0.04}, {}};
+  const std::vector<Vec2> expected{{}, {0.032, 0}, {0, -0.5}, {0.001, 0.04}, {}};
+  drop_traces(displacement);
+  EXPECT_EQ(displacement, expected);
+}
+
+}  // namespace
+}  // namespace knotreel::track
