@@ -1,6 +1,7 @@
 #include "track/placed_pixels.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "knotreel/base/parallel.h"
@@ -11,8 +12,10 @@ namespace knotreel::track {
 
 namespace {
 
-constexpr int kSteps =
-    4;  // the displacement changes by less than a fifth of a pixel per pixel nearly everywhere
+// The displacement changes by less than a fifth of a pixel per pixel nearly everywhere, so each step leaves
+// less than a fifth of the way.
+constexpr int kSteps = 4;
+constexpr double kShortStep = 0.02;  // pixels; the last one
 
 Vec2 centre_of(std::size_t pixel, int width) {
   return {static_cast<double>(pixel % std::size_t(width)) + 0.5,
@@ -38,7 +41,8 @@ class DisplacementGrid {
     fit::surface_at_pixels(fit::PixelValues(basis, width, height, {}, displaced), control, 2, offsets_);
   }
 
-  bool zero(std::size_t pixel) const { return offsets_[2 * pixel] == 0 && offsets_[2 * pixel + 1] == 0; }
+  bool zero(std::size_t pixel) const { return of(pixel) == Vec2{}; }
+  Vec2 of(std::size_t pixel) const { return {offsets_[2 * pixel], offsets_[2 * pixel + 1]}; }
 
   /// Bilinear between pixel centres.
   Vec2 at(Vec2 p) const {
@@ -55,10 +59,7 @@ class DisplacementGrid {
   }
 
  private:
-  Vec2 offset(int x, int y) const {
-    const std::size_t i = 2 * (std::size_t(y) * std::size_t(width_) + std::size_t(x));
-    return {offsets_[i], offsets_[i + 1]};
-  }
+  Vec2 offset(int x, int y) const { return of(std::size_t(y) * std::size_t(width_) + std::size_t(x)); }
 
   int width_;
   int height_;
@@ -76,7 +77,13 @@ std::vector<Vec2> rough_places(const spline::Basis& basis, std::span<const Vec2>
       const Vec2 centre{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5};
       places[i] = centre;
       if (grid.zero(i)) continue;
-      for (int step = 0; step < kSteps; ++step) places[i] = centre - grid.at(places[i]);
+      places[i] = centre - grid.of(i);
+      for (int step = 1; step < kSteps; ++step) {
+        const Vec2 next = centre - grid.at(places[i]);
+        const Vec2 far = next - places[i];
+        places[i] = next;
+        if (std::abs(far.x) < kShortStep && std::abs(far.y) < kShortStep) break;
+      }
       places[i] = {std::clamp(places[i].x, 0.0, double(width)), std::clamp(places[i].y, 0.0, double(height))};
     }
   });

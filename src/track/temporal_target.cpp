@@ -28,9 +28,14 @@ image::Image temporal_target(const image::Image& picture, std::span<const float>
     for (int x = 0; x < width; ++x) {
       const std::size_t i = at(x, static_cast<int>(row));
       if (!motion.flow.consistent_back[i]) continue;
-      float dx = motion.flow.backward.xy[2 * i];
-      float dy = motion.flow.backward.xy[2 * i + 1];
-      if (std::abs(dx) < kStill && std::abs(dy) < kStill) dx = dy = 0;
+      const float dx = motion.flow.backward.xy[2 * i];
+      const float dy = motion.flow.backward.xy[2 * i + 1];
+      if (std::abs(dx) < kStill && std::abs(dy) < kStill) {
+        if (!weights.empty() && weights[i] != 1.0F) continue;
+        for (std::size_t c = 0; c < channels; ++c)
+          target.samples[i * channels + c] -= static_cast<float>(share) * residual[i * channels + c];
+        continue;
+      }
       const float px = std::clamp(static_cast<float>(x) + dx, 0.0F, static_cast<float>(width - 1));
       const float py = std::clamp(static_cast<float>(row) + dy, 0.0F, static_cast<float>(height - 1));
       const int x0 = static_cast<int>(px);
