@@ -116,8 +116,8 @@ void descend_knot(EditableMesh& mesh, const Target& target, const OptimiseOption
     if (well_shaped(mesh, knot, ring, options)) {
       moved.clear();
       double energy = 0;
-      for (const FaceIndex f : ring) {
-        moved.push_back(target.fit(mesh.triangle(f)));
+      for (std::size_t i = 0; i < ring.size() && energy < before; ++i) {
+        moved.push_back(target.fit(mesh.triangle(ring[i])));
         energy += moved.back().error;
       }
       if (energy < before) {
