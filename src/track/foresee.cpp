@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <unordered_map>
 #include <utility>
@@ -32,7 +33,8 @@ struct HashName {
 
 using ErrorByName = std::unordered_map<Name, double, HashName>;
 
-ErrorByName errors_by_name(const mesh::KnotMesh& mesh, const knots::Target& target) {
+/// @param sum of all of them.
+ErrorByName errors_by_name(const mesh::KnotMesh& mesh, const knots::Target& target, double& sum) {
   std::vector<double> errors(mesh.faces.size());
   parallel_for(errors.size(), [&](std::size_t f) {
     const mesh::Face& v = mesh.faces[f];
@@ -44,51 +46,56 @@ ErrorByName errors_by_name(const mesh::KnotMesh& mesh, const knots::Target& targ
   for (std::size_t f = 0; f < errors.size(); ++f) {
     const mesh::Face& v = mesh.faces[f];
     const auto id = [&](std::size_t i) { return static_cast<std::uint32_t>(mesh.knots[v[i]].id); };
+    sum += errors[f];
     result.emplace(sorted({id(0), id(1), id(2)}), errors[f]);
   }
   return result;
 }
 
-struct Growth {
-  double error;
-  FaceIndex face;
-};
+}  // namespace
 
-/// Faces whose error has grown, most first. A face that was not there before had none.
-std::vector<Growth> growth_of(const EditableMesh& mesh, const knots::Target& target,
-                              const ErrorByName& before) {
+Foresight::Foresight(const EditableMesh& mesh, const knots::Target& target, const mesh::KnotMesh& before,
+                     const knots::Target& target_before) {
+  const ErrorByName known = errors_by_name(before, target_before, error_before_);
   std::vector<double> errors(mesh.face_slots(), 0);
   parallel_for(errors.size(), [&](std::size_t f) {
     if (mesh.is_face(static_cast<FaceIndex>(f)))
       errors[f] = target.error(mesh.triangle(static_cast<FaceIndex>(f)));
   });
-  std::vector<Growth> growth;
   for (FaceIndex f = 0; f < errors.size(); ++f) {
     if (!mesh.is_face(f)) continue;
+    error_now_ += errors[f];
     const mesh::Face& v = mesh.face(f);
     const auto id = [&](std::size_t i) { return static_cast<std::uint32_t>(mesh.knot(v[i]).id); };
-    const auto known = before.find(sorted({id(0), id(1), id(2)}));
-    const double grown = errors[f] - (known == before.end() ? 0 : known->second);
-    if (grown > 0) growth.push_back({grown, f});
+    // A face that was not there before had no error.
+    const auto old = known.find(sorted({id(0), id(1), id(2)}));
+    const double grown = errors[f] - (old == known.end() ? 0 : old->second);
+    if (grown > 0) growths_.push_back({grown, f, v});
   }
-  std::sort(growth.begin(), growth.end(), [](const Growth& a, const Growth& b) {
+  std::sort(growths_.begin(), growths_.end(), [](const Growth& a, const Growth& b) {
     return a.error != b.error ? a.error > b.error : a.face < b.face;
   });
-  return growth;
 }
 
-}  // namespace
+double Foresight::loss() const {
+  constexpr double kLeast = 1;  // squared levels, of the whole picture
+  return 10 * std::log10((error_now_ + kLeast) / (error_before_ + kLeast));
+}
 
-std::vector<KnotIndex> insert_foreseen(EditableMesh& mesh, const knots::Target& target,
-                                       const mesh::KnotMesh& before, const knots::Target& target_before,
-                                       std::size_t count, double min_distance) {
+std::vector<double> Foresight::growths() const {
+  std::vector<double> result;
+  for (const Growth& g : growths_) result.push_back(g.error);
+  return result;
+}
+
+std::vector<KnotIndex> Foresight::insert(EditableMesh& mesh, std::size_t count, double min_distance) const {
   if (count == 0) return {};
   std::vector<KnotIndex> inserted;
   std::vector<bool> touched(mesh.face_slots(), false);
   std::vector<FaceIndex> ring;
-  for (const Growth& g : growth_of(mesh, target, errors_by_name(before, target_before))) {
+  for (const Growth& g : growths_) {
     if (inserted.size() == count) break;
-    if (touched[g.face]) continue;
+    if (touched[g.face] || !mesh.is_face(g.face) || mesh.face(g.face) != g.knots) continue;
     const auto [a, b, c] = mesh.triangle(g.face);
     const auto k = knots::insert_near(mesh, g.face, (1.0 / 3) * (a + b + c), min_distance);
     if (!k) continue;

@@ -218,12 +218,18 @@ class Tracker::Impl {
     report_->survival = share_alive(before, space_->mesh());
   }
 
-  /// A carried mesh with knots for those that were lost on the way, where the picture asks for them.
+  /// A carried mesh with knots for those that were lost on the way, where the picture asks for them; and for
+  /// idle ones, if the frame would be much worse than the one before.
   KnotMesh refilled(const KnotMesh& carried, const knots::Target& target_before) {
     EditableMesh mesh(carried, next_id_);
-    const std::vector<KnotIndex> fresh =
-        insert_foreseen(mesh, *target_, space_->mesh(), target_before,
-                        next_mesh_.knots.size() - carried.knots.size(), options_.carry.min_distance);
+    const Foresight foresight(mesh, *target_, space_->mesh(), target_before);
+    std::size_t count = next_mesh_.knots.size() - carried.knots.size();
+    if (foresight.loss() > options_.swap_above) {
+      const std::size_t idle = remove_idle_knots(mesh, *target_, foresight.growths(), options_.urgent_swap);
+      report_->swapped += idle;
+      count += idle;
+    }
+    const std::vector<KnotIndex> fresh = foresight.insert(mesh, count, options_.carry.min_distance);
     next_id_ = mesh.next_id();
     report_->inserted += fresh.size();
     optimise_around(mesh, fresh);

@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
 
 #include "knotreel/knots/place.h"
 #include "support/mesh_cases.h"
@@ -31,7 +32,10 @@ TEST(Foresee, KnotsComeWhereTheNewPictureIsHarder) {
   image::Image with_both = edge_at(20);
   const image::Image right = edge_at(70);
   for (std::size_t i = 0; i < with_both.samples.size(); ++i) with_both.samples[i] += 0.5F * right.samples[i];
-  const auto fresh = insert_foreseen(mesh, target_of(with_both), before, target_of(edge_at(20)), 8, 1.5);
+  const Foresight foresight(mesh, target_of(with_both), before, target_of(edge_at(20)));
+  EXPECT_GT(foresight.loss(), 0.5);
+  EXPECT_TRUE(std::ranges::is_sorted(foresight.growths(), std::greater<>()));
+  const auto fresh = foresight.insert(mesh, 8, 1.5);
   ASSERT_EQ(fresh.size(), 8U);
   EXPECT_EQ(mesh::find_defect(mesh.to_mesh()), std::nullopt);
   for (const mesh::KnotIndex k : fresh) {
@@ -45,8 +49,11 @@ TEST(Foresee, NothingComesWhereNothingIsNew) {
   const mesh::KnotMesh before = grid();
   mesh::EditableMesh mesh(before);
   const knots::Target same = target_of(edge_at(40));
-  EXPECT_TRUE(insert_foreseen(mesh, same, before, same, 8, 1.5).empty());
-  EXPECT_TRUE(insert_foreseen(mesh, target_of(edge_at(60)), before, same, 0, 1.5).empty());
+  const Foresight foresight(mesh, same, before, same);
+  EXPECT_EQ(foresight.loss(), 0);
+  EXPECT_TRUE(foresight.growths().empty());
+  EXPECT_TRUE(foresight.insert(mesh, 8, 1.5).empty());
+  EXPECT_TRUE(Foresight(mesh, target_of(edge_at(60)), before, same).insert(mesh, 0, 1.5).empty());
   EXPECT_EQ(mesh.to_mesh().knots.size(), before.knots.size());
 }
 
@@ -60,9 +67,40 @@ TEST(Foresee, TheHoleOfALostKnotCountsAsNew) {
       });
   const Vec2 lost = nearest->position;
   ASSERT_TRUE(mesh.remove(static_cast<mesh::KnotIndex>(nearest - before.knots.begin())));
-  const auto fresh = insert_foreseen(mesh, same, before, same, 1, 1.5);
+  const auto fresh = Foresight(mesh, same, before, same).insert(mesh, 1, 1.5);
   ASSERT_EQ(fresh.size(), 1U);
   EXPECT_LT(norm(mesh.position(fresh[0]) - lost), 10);
+}
+
+bool contains(const std::array<Vec2, 3>& t, Vec2 p) {
+  return signed_area(t[0], t[1], p) >= 0 && signed_area(t[1], t[2], p) >= 0 &&
+         signed_area(t[2], t[0], p) >= 0;
+}
+
+TEST(Foresee, FacesThatAreGoneGetNoKnot) {
+  const mesh::KnotMesh before = grid();
+  mesh::EditableMesh mesh(before);
+  const Foresight foresight(mesh, target_of(edge_at(70)), before, target_of(edge_at(20)));
+  std::vector<mesh::Face> at_first(mesh.face_slots());
+  for (mesh::FaceIndex f = 0; f < at_first.size(); ++f) at_first[f] = mesh.face(f);
+  std::size_t removed = 0;
+  for (mesh::KnotIndex k = 0; k < before.knots.size(); ++k) {
+    const mesh::Knot& knot = before.knots[k];
+    if (knot.kind == mesh::KnotKind::kFree && knot.position.x > 60) removed += mesh.remove(k) ? 1 : 0;
+  }
+  ASSERT_GT(removed, 10U);
+  std::vector<std::array<Vec2, 3>> left;
+  for (mesh::FaceIndex f = 0; f < at_first.size(); ++f) {
+    if (mesh.is_face(f) && mesh.face(f) == at_first[f]) left.push_back(mesh.triangle(f));
+  }
+  const auto fresh = foresight.insert(mesh, 1000, 1.5);
+  EXPECT_FALSE(fresh.empty());
+  for (const mesh::KnotIndex k : fresh) {
+    const Vec2 p = mesh.position(k);
+    EXPECT_TRUE(std::ranges::any_of(left, [p](const auto& t) { return contains(t, p); }))
+        << p.x << ' ' << p.y;
+  }
+  EXPECT_EQ(mesh::find_defect(mesh.to_mesh()), std::nullopt);
 }
 
 }  // namespace

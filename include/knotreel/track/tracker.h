@@ -37,7 +37,9 @@ struct TrackOptions {
   /// When a frame is worse than the one before by this, knots are put where the error is at once rather than
   /// for the next frame; dB.
   double repair_below = 0.4;
-  int most_repairs = 2;    ///< of one frame
+  int most_repairs = 1;  ///< of one frame
+  /// When a frame can be told to become so much worse, dB, idle knots are put elsewhere before it is fitted.
+  double swap_above = 1;
   int birth_interval = 8;  ///< frames between looks for features that the model lacks; 0: none
   BirthOptions birth{};
   SwapOptions urgent_swap{.ratio = 4, .share = 0.1};
