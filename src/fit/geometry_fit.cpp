@@ -76,9 +76,7 @@ Unknowns find_unknowns(const spline::SplineSpace& space, const std::vector<std::
   Unknowns unknowns;
   unknowns.column.assign(sites.size(), -1);
   for (std::uint32_t g = 0; g < sites.size(); ++g) {
-    const Vec2 s = sites[g];
-    const bool border = s.x <= 0 || s.y <= 0 || s.x >= space.mesh().width || s.y >= space.mesh().height;
-    if (!wanted[g] || border) continue;
+    if (!wanted[g] || mesh::on_side(space.mesh(), sites[g])) continue;
     unknowns.column[g] = static_cast<int>(unknowns.groups.size());
     unknowns.groups.push_back(g);
   }

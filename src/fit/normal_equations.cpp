@@ -24,7 +24,9 @@ constexpr std::size_t kTilePixels = std::size_t{kTile} * kTile;
 /// A row of pixels of a tile.
 using Row [[gnu::vector_size(kTile * sizeof(double))]] = double;
 
-constexpr std::size_t kBlock = 4;  ///< functions that are multiplied with as many others at a time
+constexpr std::size_t kBlock = 4;          ///< functions that are multiplied with as many others at a time
+constexpr std::size_t kChannels = kBlock;  ///< of a picture, at most: they are multiplied like functions
+static_assert(GridValues::kMargin >= std::size_t{kTile}, "gather() reads whole rows of tiles");
 
 std::size_t padded(std::size_t count) {
   return (count + kBlock - 1) / kBlock * kBlock;
@@ -106,7 +108,7 @@ class TileIndex {
 struct TilePixels {
   bool weighted = false;  ///< whether some pixel has another weight than 1
   std::array<double, kTilePixels> weights{};
-  std::array<double, kBlock * kTilePixels> samples{};  ///< channel by channel
+  std::array<double, kChannels * kTilePixels> samples{};  ///< channel by channel
 };
 
 TilePixels pixels_of(const image::Image& target, std::span<const float> weights, int left, int top) {
@@ -211,7 +213,7 @@ class TileSums {
     for (std::size_t t = 0; t < index.tiles(); ++t) {
       const std::size_t n = index.functions(t).size();
       product_begin_[t + 1] = product_begin_[t] + n * (n + 1) / 2;
-      right_begin_[t + 1] = right_begin_[t] + kBlock * padded(n);
+      right_begin_[t + 1] = right_begin_[t] + kChannels * padded(n);
     }
     products_ = std::make_unique_for_overwrite<double[]>(product_begin_.back());
     right_ = std::make_unique_for_overwrite<double[]>(right_begin_.back());
@@ -234,7 +236,7 @@ class TileSums {
         multiply(values.data(), right, functions.size(), products_.get() + product_begin_[t]);
         for (std::size_t i = 0; i < functions.size(); i += kBlock) {
           multiply_block(right + i * kTilePixels, pixels.samples.data(),
-                         right_.get() + right_begin_[t] + i * kBlock);
+                         right_.get() + right_begin_[t] + i * kChannels);
         }
       }
     });
@@ -247,7 +249,7 @@ class TileSums {
   }
   /// Four channels.
   const double* right(TileIndex::Place place) const {
-    return right_.get() + right_begin_[place.tile] + kBlock * std::size_t{place.number};
+    return right_.get() + right_begin_[place.tile] + kChannels * std::size_t{place.number};
   }
 
  private:

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "knotreel/base/error.h"
+
 namespace knotreel::track {
 
 namespace {
@@ -15,14 +17,6 @@ constexpr double kScreen = 0.005;  // of its displacement
 constexpr int kRings = 3;          // of control points around the curves that may change
 
 using NetEdge = std::pair<std::uint32_t, std::uint32_t>;
-
-std::vector<std::uint8_t> on_sides(const spline::SplineSpace& space) {
-  std::vector<std::uint8_t> result;
-  for (const Vec2 s : space.geometry_greville()) {
-    result.push_back(s.x <= 0 || s.y <= 0 || s.x >= space.mesh().width || s.y >= space.mesh().height);
-  }
-  return result;
-}
 
 /// Neighbours in the net of the geometry's control points.
 std::vector<NetEdge> net_edges(const spline::SplineSpace& space) {
@@ -46,25 +40,22 @@ class ElasticSheet {
  public:
   ElasticSheet(const spline::Basis& basis, std::span<const fit::CurvePoint> points,
                std::span<const Vec2> displacement)
-      : before_(displacement.begin(), displacement.end()), edges_(net_edges(basis.space())) {
+      : space_(basis.space()),
+        before_(displacement.begin(), displacement.end()),
+        sites_(space_.geometry_greville()),
+        edges_(net_edges(space_)) {
     std::vector<Vec2> parameters;
     for (const fit::CurvePoint& p : points) parameters.push_back(p.parameter);
     const spline::ScatteredValues values = basis.evaluate(parameters);
-    choose_groups(basis.space(), values);
+    choose_groups(values);
     point_right_ = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(groups_.size()), 2);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto here =
           std::span(values.values).subspan(values.begin[i], values.begin[i + 1] - values.begin[i]);
-      add_point(basis.space(), here, points[i].position - points[i].parameter);
-    }
-    const std::vector<Vec2> sites = basis.space().geometry_greville();
-    for (const auto& [a, b] : edges_) {
-      const Vec2 d = sites[a] - sites[b];
-      elasticity_.push_back(kElasticity / (dot(d, d) + 1));  // never much more than a point
+      add_point(here, points[i].position - points[i].parameter);
     }
   }
 
-  /// Changes nothing if that fails.
   void solve(std::vector<Vec2>& displacement) const {
     const auto n = static_cast<Eigen::Index>(groups_.size());
     if (n == 0) return;
@@ -74,15 +65,16 @@ class ElasticSheet {
       right(row, 0) += weight * to.x;
       right(row, 1) += weight * to.y;
     };
-    for (std::size_t e = 0; e < edges_.size(); ++e) {
-      const auto [a, b] = edges_[e];
+    for (const auto& [a, b] : edges_) {
+      const Vec2 d = sites_[a] - sites_[b];
+      const double weight = kElasticity / (dot(d, d) + 1);  // never much more than a point
       const int i = row_of_[a];
       const int j = row_of_[b];
-      if (i >= 0) entries.emplace_back(i, i, elasticity_[e]);
-      if (j >= 0) entries.emplace_back(j, j, elasticity_[e]);
-      if (i >= 0 && j >= 0) entries.emplace_back(std::max(i, j), std::min(i, j), -elasticity_[e]);
-      if (i >= 0 && j < 0) pull(i, elasticity_[e], before_[b]);
-      if (j >= 0 && i < 0) pull(j, elasticity_[e], before_[a]);
+      if (i >= 0) entries.emplace_back(i, i, weight);
+      if (j >= 0) entries.emplace_back(j, j, weight);
+      if (i >= 0 && j >= 0) entries.emplace_back(std::max(i, j), std::min(i, j), -weight);
+      if (i >= 0 && j < 0) pull(i, weight, before_[b]);
+      if (j >= 0 && i < 0) pull(j, weight, before_[a]);
     }
     for (int i = 0; i < static_cast<int>(n); ++i) {
       entries.emplace_back(i, i, kInertia + kScreen);
@@ -91,7 +83,8 @@ class ElasticSheet {
     Eigen::SparseMatrix<double> matrix(n, n);
     matrix.setFromTriplets(entries.begin(), entries.end());
     const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(matrix);
-    if (factor.info() != Eigen::Success) return;
+    if (factor.info() != Eigen::Success)
+      throw Error(ErrorKind::kInternal, "the bending of feature curves cannot be solved for");
     const Eigen::MatrixXd result = factor.solve(right);
     for (Eigen::Index i = 0; i < n; ++i)
       displacement[groups_[static_cast<std::size_t>(i)]] = {result(i, 0), result(i, 1)};
@@ -99,9 +92,9 @@ class ElasticSheet {
 
  private:
   /// Those of the curves and of some rings around them.
-  void choose_groups(const spline::SplineSpace& space, const spline::ScatteredValues& values) {
+  void choose_groups(const spline::ScatteredValues& values) {
     std::vector<std::uint8_t> near(before_.size(), 0);
-    for (const spline::BasisValue& v : values.values) near[space.geometry_of()[v.function]] = 1;
+    for (const spline::BasisValue& v : values.values) near[space_.geometry_of()[v.function]] = 1;
     for (int ring = 0; ring < kRings; ++ring) {
       const std::vector<std::uint8_t> inner = near;
       for (const auto& [a, b] : edges_) {
@@ -109,32 +102,32 @@ class ElasticSheet {
         if (inner[b]) near[a] = 1;
       }
     }
-    const std::vector<std::uint8_t> fixed = on_sides(space);
     row_of_.assign(near.size(), -1);
     for (std::uint32_t g = 0; g < near.size(); ++g) {
-      if (!near[g] || fixed[g]) continue;
+      if (!near[g] || mesh::on_side(space_.mesh(), sites_[g])) continue;
       row_of_[g] = static_cast<int>(groups_.size());
       groups_.push_back(g);
     }
   }
 
-  void add_point(const spline::SplineSpace& space, std::span<const spline::BasisValue> values, Vec2 wanted) {
+  void add_point(std::span<const spline::BasisValue> values, Vec2 wanted) {
     for (const spline::BasisValue& a : values) {
-      const int r = row_of_[space.geometry_of()[a.function]];
+      const int r = row_of_[space_.geometry_of()[a.function]];
       if (r < 0) continue;
       point_right_(r, 0) += a.value * wanted.x;
       point_right_(r, 1) += a.value * wanted.y;
       for (const spline::BasisValue& b : values) {
-        const int c = row_of_[space.geometry_of()[b.function]];
+        const int c = row_of_[space_.geometry_of()[b.function]];
         if (c >= 0 && c <= r) point_entries_.emplace_back(r, c, a.value * b.value);
       }
     }
   }
 
+  const spline::SplineSpace& space_;
   std::vector<Vec2> before_;
+  std::vector<Vec2> sites_;
   std::vector<NetEdge> edges_;
-  std::vector<double> elasticity_;  ///< by edge
-  std::vector<int> row_of_;         ///< by geometry group; -1: keeps its displacement
+  std::vector<int> row_of_;  ///< by geometry group; -1: keeps its displacement
   std::vector<std::uint32_t> groups_;
   std::vector<Eigen::Triplet<double>> point_entries_;
   Eigen::MatrixXd point_right_;

@@ -58,9 +58,7 @@ std::vector<Vec2> carried_displacement(const spline::SplineSpace& from, std::spa
   const std::vector<Vec2> sites = to.geometry_greville();
   const std::vector<Name> names = group_names(to);
   for (std::size_t g = 0; g < names.size(); ++g) {
-    const Vec2 s = sites[g];
-    const bool border = s.x <= 0 || s.y <= 0 || s.x >= to.mesh().width || s.y >= to.mesh().height;
-    if (border) continue;  // stays exactly there
+    if (mesh::on_side(to.mesh(), sites[g])) continue;  // stays exactly there
     const auto same = std::lower_bound(known.begin(), known.end(), names[g],
                                        [](const auto& k, const Name& name) { return k.first < name; });
     if (same != known.end() && same->first == names[g]) {

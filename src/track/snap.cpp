@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "knotreel/base/error.h"
 #include "knotreel/fit/geometry_fit.h"
 
 namespace knotreel::track {
@@ -171,7 +172,8 @@ std::vector<Vec2> solve(const std::vector<Sample>& samples, std::size_t knots, c
   matrix.setFromTriplets(entries.begin(), entries.end());
   const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>, Eigen::Lower> factor(matrix);
   std::vector<Vec2> moves(knots);
-  if (factor.info() != Eigen::Success) return moves;
+  if (factor.info() != Eigen::Success)
+    throw Error(ErrorKind::kInternal, "the moves of feature curves cannot be solved for");
   const Eigen::VectorXd x = factor.solve(right);
   for (std::size_t i = 0; i < ends.size(); ++i) {
     Vec2 d{x[static_cast<Eigen::Index>(2 * i)], x[static_cast<Eigen::Index>(2 * i + 1)]};

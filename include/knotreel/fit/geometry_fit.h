@@ -37,7 +37,7 @@ std::vector<double> geometry_errors(const spline::Basis& basis, std::span<const 
                                     std::span<const CurvePoint> curves);
 
 /// Shrinks displacements where the map would fold over, which a least-squares fit does not prevent: at
-/// samples on both sides of all features its area must stay above a fifth.
+/// samples on both sides of all features its area must stay above a twentieth.
 /// @return the number of samples where that failed.
 std::size_t unfold_geometry(const spline::Basis& basis, std::vector<Vec2>& displacement);
 

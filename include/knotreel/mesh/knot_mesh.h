@@ -48,6 +48,11 @@ struct KnotMesh {
   std::vector<FeatureSegment> segments;
 };
 
+/// Whether a point of the closed domain is on one of its sides.
+inline bool on_side(const KnotMesh& mesh, Vec2 p) {
+  return p.x <= 0 || p.y <= 0 || p.x >= mesh.width || p.y >= mesh.height;
+}
+
 /// Checks everything that the rest of the library relies on: finite positions in the domain, faces that are
 /// positively oriented and tile the rectangle (a disk; border knots exactly on their sides; four kVertex
 /// knots at the domain corners), unique ids, segments that are edges of the triangulation, kinds that agree
