@@ -5,7 +5,7 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <cstddef>
-#include <utility>
+#include <type_traits>
 
 #include "knotreel/base/happens_before.h"
 #include "pipeline/message.h"
@@ -16,7 +16,6 @@ namespace knotreel::pipeline {
 namespace flow = oneapi::tbb::flow;
 
 using Node = flow::function_node<MessagePtr, MessagePtr>;
-using LastNode = flow::function_node<MessagePtr, flow::continue_msg>;
 
 /// A body whose inner loops take up no other frame while they wait: a serial stage would be late, and a
 /// stage could find itself inside another one.
@@ -30,17 +29,46 @@ auto isolated(Body body) {
   };
 }
 
-/// The same for a serial stage.
-/// @param turn  of the stage; must outlive the graph.
-template <class Body>
-auto in_turn(HappensBefore& turn, Body body) {
-  return [&turn, body = isolated(body)](const MessagePtr& message) {
-    turn.acquire();
-    body(message);
-    turn.release();
-    return message;
-  };
-}
+struct ByIndex {
+  std::size_t operator()(const MessagePtr& message) const { return static_cast<std::size_t>(message->index); }
+};
+
+/// A stage that takes one frame at a time, in order, whatever the order they come in. Frames need putting in
+/// order even behind a stage like this: a node of oneTBB begins with the next message before it passes the
+/// one that is done on.
+/// @tparam Output  of the node: MessagePtr, or flow::continue_msg if nothing else is passed on.
+template <class Output>
+class InOrderTo {
+ public:
+  template <class Body>
+  InOrderTo(flow::graph& graph, Body body)
+      : sequencer_(graph, ByIndex{}),
+        node_(graph, flow::serial, [this, body = isolated(body)](const MessagePtr& m) {
+          turn_.acquire();
+          body(m);
+          turn_.release();
+          if constexpr (std::is_same_v<Output, MessagePtr>) {
+            return m;
+          } else {
+            return Output();
+          }
+        }) {
+    flow::make_edge(sequencer_, node_);
+  }
+
+  flow::receiver<MessagePtr>& in() { return sequencer_; }
+  flow::sender<Output>& out() { return node_; }
+  /// To be called after a wait for the graph, before what the stage left behind is read.
+  void acquire() { turn_.acquire(); }
+
+ private:
+  HappensBefore turn_;  ///< from one frame to the next
+  flow::sequencer_node<MessagePtr> sequencer_;
+  flow::function_node<MessagePtr, Output> node_;
+};
+
+using InOrder = InOrderTo<MessagePtr>;
+using LastInOrder = InOrderTo<flow::continue_msg>;
 
 /// Takes frames as long as there are some.
 template <class Next>
@@ -58,19 +86,6 @@ auto source(HappensBefore& turn, Next next) {
     return message;
   };
 }
-
-/// The last, serial stage.
-template <class Body>
-auto last_in_turn(HappensBefore& turn, Body body) {
-  return [body = in_turn(turn, body)](const MessagePtr& message) {
-    body(message);
-    return flow::continue_msg();
-  };
-}
-
-struct ByIndex {
-  std::size_t operator()(const MessagePtr& message) const { return static_cast<std::size_t>(message->index); }
-};
 
 /// @param wanted as Job::frames_in_flight.
 inline std::size_t frames_in_flight(int wanted) {

@@ -92,22 +92,20 @@ class RenderStages {
 
 Summary run_render(const RenderJob& job) {
   RenderStages stages(job);
-  HappensBefore decoded, encoded;
+  HappensBefore decoded;
   flow::graph graph;
   flow::input_node<MessagePtr> read(graph, source(decoded, [&] { return stages.read(); }));
   flow::limiter_node<MessagePtr> limiter(graph, frames_in_flight(job.frames_in_flight));
   Node rasterize(graph, flow::unlimited, isolated([&](Message& m) { stages.rasterize(m); }));
-  flow::sequencer_node<MessagePtr> in_order(graph, ByIndex{});
-  LastNode encode(graph, flow::serial, last_in_turn(encoded, [&](Message& m) { stages.encode(m); }));
+  LastInOrder encode(graph, [&](Message& m) { stages.encode(m); });
   flow::make_edge(read, limiter);
   flow::make_edge(limiter, rasterize);
-  flow::make_edge(rasterize, in_order);
-  flow::make_edge(in_order, encode);
-  flow::make_edge(encode, limiter.decrementer());
+  flow::make_edge(rasterize, encode.in());
+  flow::make_edge(encode.out(), limiter.decrementer());
   read.activate();
   graph.wait_for_all();
   decoded.acquire();  // it was asked once more after the last frame
-  encoded.acquire();
+  encode.acquire();
   return stages.finish();
 }
 
