@@ -74,8 +74,10 @@ std::size_t remove_idle_knots(EditableMesh& mesh, const knots::Target& target,
   std::vector<FaceIndex> ring;
   std::size_t removed = 0;
   for (const Candidate& c : candidates) {
-    if (removed == most || removed == face_errors.size()) break;
-    if (removed >= surplus && 0.5 * face_errors[removed] < options.ratio * c.cost) break;
+    if (removed == most) break;
+    if (removed >= surplus &&
+        (removed >= face_errors.size() || 0.5 * face_errors[removed] < options.ratio * c.cost))
+      break;
     if (touched[c.knot]) continue;
     mesh.faces_around(c.knot, ring);
     for (const FaceIndex f : ring) {

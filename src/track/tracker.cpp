@@ -48,7 +48,8 @@ const char* to_string(Start start) {
 
 namespace {
 
-constexpr double kLeastShare = 0.25;  // of what features may use, that a group without any may come to
+constexpr double kLeastShare = 0.25;     // of what features may use, that a group without any may come to
+constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 
 using mesh::EditableMesh;
 using mesh::KnotIndex;
@@ -110,6 +111,8 @@ class Tracker::Impl {
     report = {};
     clock_ = std::chrono::steady_clock::now();
     report.start = groups_.next(motion);
+    most_functions_ = cold_.max_control_points > 0 ? cold_.max_control_points
+                                                   : vectorize::default_control_points(picture.pixel_count());
     if (report.start == Start::kWarm && motion->repeated) {
       report.survival = 1;
       report.psnr = last_psnr_;
@@ -203,7 +206,7 @@ class Tracker::Impl {
     const KnotMesh before = space_->mesh();
     frame_before_ = {space_, colours_.control, std::move(colours_.residual), std::move(seen_.weights),
                      last_mec_};
-    take_over(std::move(carried));
+    take_over(carried);
     bend_curves(*motion.now);
     fit(picture, motion);
     measure();
@@ -260,11 +263,21 @@ class Tracker::Impl {
     return nullptr;
   }
 
-  /// The space over a mesh that comes from the one there is.
-  void take_over(KnotMesh mesh) {
+  /// The space over a mesh that comes from the one there is. How many functions knots bring changes with
+  /// their links: the idlest go until the bound on control points holds.
+  void take_over(const KnotMesh& mesh) {
     const LinkMemory links(*space_);
-    auto space = std::make_shared<const spline::SplineSpace>(
-        links.space_over(std::move(mesh), cold_.degree, *target_));
+    const auto over = [&](KnotMesh knots) {
+      return std::make_shared<const spline::SplineSpace>(
+          links.space_over(std::move(knots), cold_.degree, *target_));
+    };
+    std::shared_ptr<const spline::SplineSpace> space = over(mesh);
+    while (space->function_count() > most_functions_) {
+      const std::size_t surplus = (space->function_count() - most_functions_) / 2 + kBoundMargin;
+      EditableMesh fewer(space->mesh(), next_id_);
+      if (remove_idle_knots(fewer, *target_, {}, {}, surplus) == 0) break;
+      space = over(fewer.to_mesh());
+    }
     displacement_ = carried_displacement(*space_, displacement_, *space);
     drop_traces(displacement_);
     space_ = std::move(space);
@@ -438,6 +451,7 @@ class Tracker::Impl {
   double last_psnr_ = 0;
   double last_mec_ = 0;
   std::size_t group_functions_ = 0;
+  std::size_t most_functions_ = 0;
   double group_features_ = 0;      ///< length of the feature polylines at its start, pixels
   int since_births_ = 0;           ///< frames
   bool has_new_features_ = false;  ///< that were never bent to their edges

@@ -37,9 +37,10 @@ struct Tracked {
   std::vector<FrameReport> reports;
 };
 
-Tracked track(const std::vector<image::Image>& pictures, const TrackOptions& options) {
+Tracked track(const std::vector<image::Image>& pictures, const TrackOptions& options, double mec = 2) {
   vectorize::Options cold;
   cold.max_control_points = 400;
+  cold.mec = mec;
   Tracker tracker(cold, options);
   Tracked run;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
@@ -108,6 +109,24 @@ TEST(Tracker, ARepeatedPictureKeepsItsModel) {
     EXPECT_EQ(again.survival, 1);
     EXPECT_EQ(again.knots, report.knots);
   }
+}
+
+TEST(Tracker, NoFrameHasMoreControlPointsThanAllowed) {
+  std::vector<image::Image> pictures = moving(12);
+  for (std::size_t t = 0; t < pictures.size(); ++t) {  // more to show than the points are enough for
+    for (std::size_t i = 0; i < pictures[t].samples.size(); ++i) {
+      const double x = static_cast<double>(i / 3 % 96) - 2.5 * static_cast<double>(t);
+      const auto y = static_cast<double>(i / 3 / 96);
+      pictures[t].samples[i] += static_cast<float>(20 * std::sin(0.4 * x) * std::cos(0.3 * y + 0.01 * x * y));
+    }
+  }
+  const Tracked run = track(pictures, {.drift = 100}, 0);
+  std::size_t most = 0;
+  for (const FrameReport& report : run.reports) {
+    EXPECT_LE(report.control_points, 400U);
+    most = std::max(most, report.control_points);
+  }
+  EXPECT_GT(most, 390U);
 }
 
 TEST(Tracker, WithoutWarmStartFramesAreThoseOfTheirPictures) {
