@@ -43,9 +43,9 @@ struct Renderer::State {
     reduce_y = static_cast<int>(std::ceil(size.pixel_height - 1e-9));
     fine_width = size.pixel_width / reduce_x;
     fine_height = size.pixel_height / reduce_y;
-    // Tiles of about 2.7 pixels of the model: few pieces end inside, and not too few points share the set-up.
+    // Tiles of about 2.7 pixels of the model: few pieces end inside. But 8 x 8 points must share the set-up.
     const auto side = [](double pixel) {
-      return std::clamp(static_cast<int>(std::lround(2.7 / pixel)), 4, 16);
+      return std::clamp(static_cast<int>(std::lround(2.7 / pixel)), 8, 16);
     };
     tile_width = side(fine_width);
     tile_height = side(fine_height);
@@ -79,8 +79,7 @@ void Renderer::State::draw_tile(Tile& tile, int tile_row, int tile_column,
   const int x0 = tile_column * tile_width;
   const int y0 = tile_row * tile_height;
   tile.set({x0 * fine_width, y0 * fine_height},
-           {(x0 + tile_width) * fine_width, (y0 + tile_height) * fine_height},
-           tile_width * tile_height >= 64);
+           {(x0 + tile_width) * fine_width, (y0 + tile_height) * fine_height});
   const auto to = [&](int x, int y) {
     return out +
            (static_cast<std::size_t>(y - row_begin) * static_cast<std::size_t>(column_end - column_begin) +

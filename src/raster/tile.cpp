@@ -118,7 +118,7 @@ void Tile::set_block(Vec2 low, Vec2 high) {
   }
 }
 
-void Tile::set(Vec2 low, Vec2 high, bool dense) {
+void Tile::set(Vec2 low, Vec2 high) {
   const Surface::Bounds bounds = surface_.displacement_bounds(low, high);
   reach_ = reach_of(bounds, low, high);
   shift_ = -0.5 * (bounds.low + bounds.high);
@@ -129,7 +129,7 @@ void Tile::set(Vec2 low, Vec2 high, bool dense) {
     if (t.box.touches(reach_)) all_.push_back(t);
   }
   assemble(reach_);
-  if (dense && !identity_) solve_nodes(low, high);
+  if (!identity_) solve_nodes(low, high);
 }
 
 void Tile::solve_nodes(Vec2 low, Vec2 high) {

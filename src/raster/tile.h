@@ -20,10 +20,10 @@ class Tile {
   /// does not depend on it.
   void set_block(Vec2 low, Vec2 high);
 
-  /// Prepares for image points in [low, high], a box of the block.
-  /// @param dense many points will follow: it pays to solve for nine of them first, which gives the others a
-  /// start so close that one Newton step is enough, and a smaller parametric box.
-  void set(Vec2 low, Vec2 high, bool dense);
+  /// Prepares for image points in [low, high], a box of the block. Nine of them are solved for first: that
+  /// gives the many that follow a start so close that one Newton step is enough, and a smaller parametric
+  /// box.
+  void set(Vec2 low, Vec2 high);
 
   /// Colours at n <= kBatch image points in the box: out[c * kBatch + i].
   void colours(const double* x, const double* y, int n, double* out);
