@@ -6,6 +6,7 @@
 #include "knotreel/motion/luma.h"
 #include "knotreel/track/carry_mesh.h"
 #include "knotreel/track/tracker.h"
+#include "support/allocations.h"
 #include "support/bench_scene.h"
 #include "track/settle.h"
 #include "track/snap.h"
@@ -123,11 +124,16 @@ void BM_WarmFrame(benchmark::State& state) {
   std::size_t frame = 0;
   std::size_t cold = 0;
   FrameReport report;
+  const bench::Allocations before = bench::allocations();
   for (auto _ : state) {
     ++frame;
     benchmark::DoNotOptimize(tracker.next(at(frame), &motions[frame % order.size()], &report).colour.data());
     cold += report.start != Start::kWarm;
   }
+  const bench::Allocations after = bench::allocations();
+  const auto per_frame = [&](std::uint64_t total) { return double(total) / double(frame); };
+  state.counters["allocations"] = per_frame(after.calls - before.calls);
+  state.counters["allocated MB"] = per_frame(after.bytes - before.bytes) / 1e6;
   state.counters["cold"] = double(cold);
   state.counters["control points"] = double(report.control_points);
 }

@@ -264,15 +264,21 @@ struct Entry {
   double value;
 };
 
+/// Columns of the matrix, one after the other.
+struct Columns {
+  std::vector<Entry> entries;
+  std::vector<std::size_t> ends;
+};
+
 /// Sums up columns of the matrix; one per thread.
 class ColumnSum {
  public:
   explicit ColumnSum(std::size_t functions) : slot_(functions), seen_(functions, spline::kNoFunction) {}
 
-  /// The lower half of column f, ascending, zeros left out but for the diagonal.
-  void add(FunctionIndex f, const TileIndex& index, const TileSums& sums, std::vector<Entry>& column) {
-    column.clear();
-    column.push_back({f, 0.0});
+  /// Appends the lower half of column f, ascending, zeros left out but for the diagonal.
+  void add(FunctionIndex f, const TileIndex& index, const TileSums& sums, Columns& columns) {
+    column_.clear();
+    column_.push_back({f, 0.0});
     seen_[f] = f;
     slot_[f] = 0;
     for (const TileIndex::Place place : index.places(f)) {
@@ -281,31 +287,42 @@ class ColumnSum {
       for (const FunctionIndex g : functions.subspan(place.number)) {
         if (seen_[g] != f) {
           seen_[g] = f;
-          slot_[g] = static_cast<std::uint32_t>(column.size());
-          column.push_back({g, 0.0});
+          slot_[g] = static_cast<std::uint32_t>(column_.size());
+          column_.push_back({g, 0.0});
         }
-        column[slot_[g]].value += *products++;
+        column_[slot_[g]].value += *products++;
       }
     }
-    std::erase_if(column, [f](const Entry& e) { return e.value == 0 && e.row != f; });
-    std::sort(column.begin(), column.end(), [](const Entry& a, const Entry& b) { return a.row < b.row; });
+    std::erase_if(column_, [f](const Entry& e) { return e.value == 0 && e.row != f; });
+    std::sort(column_.begin(), column_.end(), [](const Entry& a, const Entry& b) { return a.row < b.row; });
+    columns.entries.insert(columns.entries.end(), column_.begin(), column_.end());
+    columns.ends.push_back(columns.entries.size());
   }
 
  private:
   std::vector<std::uint32_t> slot_;
   std::vector<FunctionIndex> seen_;
+  std::vector<Entry> column_;
 };
 
-Eigen::SparseMatrix<double> to_matrix(const std::vector<std::vector<Entry>>& columns) {
-  const auto n = static_cast<Eigen::Index>(columns.size());
+/// @param blocks of columns, in order.
+Eigen::SparseMatrix<double> to_matrix(const std::vector<Columns>& blocks, std::size_t functions) {
+  const auto n = static_cast<Eigen::Index>(functions);
   std::size_t count = 0;
-  for (const auto& column : columns) count += column.size();
+  for (const Columns& block : blocks) count += block.entries.size();
   Eigen::SparseMatrix<double> matrix(n, n);
   matrix.reserve(static_cast<Eigen::Index>(count));
-  for (Eigen::Index f = 0; f < n; ++f) {
-    matrix.startVec(f);
-    for (const Entry& e : columns[static_cast<std::size_t>(f)])
-      matrix.insertBack(static_cast<Eigen::Index>(e.row), f) = e.value;
+  Eigen::Index f = 0;
+  for (const Columns& block : blocks) {
+    std::size_t i = 0;
+    for (const std::size_t end : block.ends) {
+      matrix.startVec(f);
+      for (; i < end; ++i) {
+        const Entry& e = block.entries[i];
+        matrix.insertBack(static_cast<Eigen::Index>(e.row), f) = e.value;
+      }
+      ++f;
+    }
   }
   matrix.finalize();
   return matrix;
@@ -323,21 +340,21 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
   values.for_bands([&](const GridValues& grid, int begin, int end) {
     const TileIndex index(grid, active, values.width(), begin, end);
     const TileSums sums(grid, index, target, weights);
-    std::vector<std::vector<Entry>> columns(functions);
     const std::size_t block_size =
         std::max<std::size_t>(64, functions / 64);  // each clears a list of all functions
-    parallel_for((functions + block_size - 1) / block_size, [&](std::size_t block) {
+    std::vector<Columns> columns((functions + block_size - 1) / block_size);
+    parallel_for(columns.size(), [&](std::size_t block) {
       ColumnSum column(functions);
       for (std::size_t i = block * block_size; i < std::min(functions, (block + 1) * block_size); ++i) {
         const auto f = static_cast<FunctionIndex>(i);
-        column.add(f, index, sums, columns[f]);
+        column.add(f, index, sums, columns[block]);
         for (const TileIndex::Place place : index.places(f)) {
           for (Eigen::Index c = 0; c < target.channels; ++c)
             normal.right(static_cast<Eigen::Index>(f), c) += sums.right(place)[c];
         }
       }
     });
-    const Eigen::SparseMatrix<double> band = to_matrix(columns);
+    const Eigen::SparseMatrix<double> band = to_matrix(columns, functions);
     normal.matrix = normal.matrix.nonZeros() == 0 ? band : Eigen::SparseMatrix<double>(normal.matrix + band);
   });
   return normal;

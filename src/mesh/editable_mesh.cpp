@@ -106,6 +106,7 @@ EditableMesh::Edge EditableMesh::edge_between(KnotIndex a, KnotIndex b) const {
 
 void EditableMesh::faces_around(KnotIndex k, std::vector<FaceIndex>& out) const {
   out.clear();
+  out.reserve(8);  // there are six, and growing to them takes four pieces of memory
   const FaceIndex start = face_of_[k];
   // Back to the border, if there is one, so that the walk covers the whole fan.
   FaceIndex first = start;

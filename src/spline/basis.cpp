@@ -43,18 +43,52 @@ Jet& payload(BasisJet& v) {
   return v.jet;
 }
 
-/// Sums entries of equal function from `begin` on, keeping the order of addition.
+constexpr std::size_t kFew = 64;  ///< entries that are searched rather than sorted, which would need memory
+
 template <class Entry>
-void merge(std::vector<Entry>& out, std::size_t begin) {
-  const auto first = out.begin() + static_cast<std::ptrdiff_t>(begin);
-  std::stable_sort(first, out.end(), [](const Entry& a, const Entry& b) { return a.function < b.function; });
+bool before(const Entry& a, const Entry& b) {
+  return a.function < b.function;
+}
+
+/// Sums entries of equal function from `begin` on, keeping the order of addition.
+/// @return the end of the sums, which are in any order.
+template <class Entry>
+std::size_t sum_few(std::vector<Entry>& out, std::size_t begin) {
+  std::size_t kept = begin;
+  for (std::size_t i = begin; i < out.size(); ++i) {
+    std::size_t k = begin;
+    while (k < kept && out[k].function != out[i].function) ++k;
+    if (k < kept) {
+      add(payload(out[k]), payload(out[i]));
+    } else {
+      out[kept++] = out[i];
+    }
+  }
+  return kept;
+}
+
+/// The same for any number of entries, with the sums in order.
+template <class Entry>
+std::size_t sum_many(std::vector<Entry>& out, std::size_t begin) {
+  std::stable_sort(out.begin() + static_cast<std::ptrdiff_t>(begin), out.end(), before<Entry>);
   std::size_t kept = begin;
   for (std::size_t i = begin; i < out.size();) {
     Entry sum = out[i++];
     for (; i < out.size() && out[i].function == sum.function; ++i) add(payload(sum), payload(out[i]));
     out[kept++] = sum;
   }
-  out.resize(kept);
+  return kept;
+}
+
+/// Sums entries of equal function from `begin` on, keeping the order of addition, and sorts them by function.
+template <class Entry>
+void merge(std::vector<Entry>& out, std::size_t begin) {
+  if (out.size() - begin > kFew) {
+    out.resize(sum_many(out, begin));
+    return;
+  }
+  out.resize(sum_few(out, begin));
+  std::sort(out.begin() + static_cast<std::ptrdiff_t>(begin), out.end(), before<Entry>);
 }
 
 void append_values(const PieceSet& set, const TermIndex& index, Vec2 u, Vec2 direction,

@@ -44,7 +44,9 @@ void encode_triangulation(std::size_t n, std::span<const PolygonTriangle> triang
     apexes.push_back({{t[0], t[2]}, t[1]});
   }
   std::sort(apexes.begin(), apexes.end(), [](const Apex& a, const Apex& b) { return a.edge < b.edge; });
-  std::vector<Span> open{{0, static_cast<std::uint32_t>(n - 1)}};
+  std::vector<Span> open;
+  open.reserve(n);
+  open.push_back({0, static_cast<std::uint32_t>(n - 1)});
   while (!open.empty()) {
     const auto [i, j] = open.back();
     open.pop_back();
@@ -63,7 +65,9 @@ void encode_triangulation(std::size_t n, std::span<const PolygonTriangle> triang
 std::optional<std::size_t> decode_triangulation(std::size_t n, std::span<const std::uint16_t> codes,
                                                 std::vector<PolygonTriangle>& triangles) {
   std::size_t used = 0;
-  std::vector<Span> open{{0, static_cast<std::uint32_t>(n - 1)}};
+  std::vector<Span> open;
+  open.reserve(n);
+  open.push_back({0, static_cast<std::uint32_t>(n - 1)});
   while (!open.empty()) {
     const auto [i, j] = open.back();
     open.pop_back();
