@@ -16,6 +16,7 @@
 namespace knotreel::fit {
 namespace {
 
+using spline::PixelValues;
 using Matrix = Eigen::SparseMatrix<double>;
 using Factor = Eigen::CholmodSimplicialLDLT<Matrix, Eigen::Lower>;
 

@@ -2,7 +2,7 @@
 
 #include <random>
 
-#include "knotreel/spline/basis.h"
+#include "knotreel/spline/pixel_values.h"
 #include "support/bench_mesh.h"
 
 namespace knotreel::spline {
@@ -39,7 +39,15 @@ void BM_MakePieces(benchmark::State& state) {
 void BM_EvaluateGrid(benchmark::State& state) {
   const auto space = bench_space(state);
   const Basis basis(space);
-  for (auto _ : state) benchmark::DoNotOptimize(basis.evaluate_grid(640, 360).values.data());
+  for (auto _ : state) {
+    const PixelValues pixels(basis, 640, 360, {});
+    std::vector<double> values;
+    for (std::size_t t = 0; t < pixels.tile_count(); ++t) {
+      values.resize(pixels.tile(t).functions.size() * PixelValues::kTilePixels);
+      pixels.evaluate(t, values.data());
+      benchmark::DoNotOptimize(values.data());
+    }
+  }
   report(state, *space);
 }
 

@@ -32,11 +32,11 @@ Eigen::MatrixXd greville_colours(const spline::SplineSpace& space, const image::
 }
 
 /// Picture minus surface.
-void find_residual(const PixelValues& values, const Pixels& pixels, ColourFit& fit) {
+void find_residual(const spline::PixelValues& values, const Pixels& pixels, ColourFit& fit) {
   const image::Image& image = *pixels.image;
   const std::size_t row_size = image.row_size();
   std::vector<double> surface(image.samples.size());
-  surface_at_pixels(values, fit.control, image.channels, surface);
+  spline::surface_at_pixels(values, fit.control, image.channels, surface);
   fit.residual.resize(surface.size());
   std::vector<double> row_sums(static_cast<std::size_t>(image.height), 0.0);
   parallel_for(row_sums.size(), [&](std::size_t y) {
@@ -56,11 +56,12 @@ void find_residual(const PixelValues& values, const Pixels& pixels, ColourFit& f
 }  // namespace
 
 ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const ColourFitOptions& options) {
-  const PixelValues values(basis, pixels.image->width, pixels.image->height, pixels.places);
+  const spline::PixelValues values(basis, pixels.image->width, pixels.image->height, pixels.places);
   return fit_colours(values, pixels, options);
 }
 
-ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const ColourFitOptions& options) {
+ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
+                      const ColourFitOptions& options) {
   const spline::SplineSpace& space = values.basis().space();
   const image::Image& image = *pixels.image;
   if (!pixels.weights.empty() && pixels.weights.size() != image.pixel_count()) {

@@ -128,6 +128,11 @@ class Steps {
   std::vector<Vec2> before_;
 };
 
+std::unique_ptr<const spline::PixelValues> pixel_values(const spline::Basis& basis, const Pixels& pixels) {
+  return std::make_unique<const spline::PixelValues>(basis, pixels.image->width, pixels.image->height,
+                                                     pixels.places);
+}
+
 }  // namespace
 
 void limit_moves(const spline::SplineSpace& space, double min_distance, std::vector<Vec2>& moves) {
@@ -139,14 +144,16 @@ ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOp
   ColourSurface at = std::move(start);
   Steps steps(at.space->mesh(), options.first_step);
   auto basis = std::make_unique<const spline::Basis>(at.space);
+  auto values = pixel_values(*basis, pixels);
   for (int i = 0; i < options.steps; ++i) {
     if (options.on_step) options.on_step();
     const KnotMesh& mesh = at.space->mesh();
-    std::vector<Vec2> moves = steps.moves(knot_gradient(*basis, pixels, at.fit), mesh::shortest_edges(mesh));
+    std::vector<Vec2> moves = steps.moves(knot_gradient(*values, pixels, at.fit), mesh::shortest_edges(mesh));
     limit_moves(*at.space, options.min_distance, moves);
     at.space = std::make_shared<const spline::SplineSpace>(at.space->moved(moved_positions(mesh, moves)));
     basis = std::make_unique<const spline::Basis>(at.space);
-    at.fit = fit_colours(*basis, pixels, options.colour);
+    values = pixel_values(*basis, pixels);
+    at.fit = fit_colours(*values, pixels, options.colour);
     if (at.fit.squared_error < best.fit.squared_error) best = at;
   }
   return best;

@@ -2,6 +2,7 @@
 
 #include <Eigen/CholmodSupport>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "fit/normal_equations.h"
@@ -11,6 +12,7 @@ namespace knotreel::fit {
 
 namespace {
 
+using spline::PixelValues;
 using Matrix = Eigen::SparseMatrix<double>;
 
 Vec2 centre(std::size_t pixel, int width) {
@@ -31,30 +33,31 @@ image::Image displacement_picture(std::span<const Vec2> places, int width, int h
 }
 
 /// Functions with a displaced pixel in their support, and those that share a geometry control point with one.
-std::vector<std::uint8_t> active_functions(const PixelValues& values, const image::Image& target) {
-  const auto stride = static_cast<std::size_t>(target.width) + 1;
-  std::vector<std::uint32_t> displaced(stride * static_cast<std::size_t>(target.height),
-                                       0);  // sums along rows
-  for (int y = 0; y < target.height; ++y) {
-    for (int x = 0; x < target.width; ++x) {
-      const std::size_t i = static_cast<std::size_t>(y) * stride + static_cast<std::size_t>(x);
-      displaced[i + 1] = displaced[i] + (target.at(x, y, 0) != 0 || target.at(x, y, 1) != 0);
-    }
-  }
+std::vector<std::uint8_t> active_functions(const PixelValues& values, std::span<const Vec2> places) {
+  constexpr std::size_t kPixels = PixelValues::kTilePixels;
   const spline::SplineSpace& space = values.basis().space();
   std::vector<std::uint8_t> group(space.geometry_count(), 0);
-  values.for_bands([&](const spline::GridValues& grid, int, int) {
-    for (spline::FunctionIndex f = 0; f < space.function_count(); ++f) {
-      for (const auto& row : grid.rows_of(f)) {
-        const std::size_t start = static_cast<std::size_t>(row.y) * stride;
-        if (row.x_begin < row.x_end && displaced[start + static_cast<std::size_t>(row.x_begin)] !=
-                                           displaced[start + static_cast<std::size_t>(row.x_end)]) {
-          group[space.geometry_of()[f]] = 1;
-          break;
-        }
+  std::vector<double> at;
+  for (std::size_t t = 0; t < values.tile_count(); ++t) {
+    const PixelValues::Tile tile = values.tile(t);
+    std::array<std::uint8_t, kPixels> displaced{};
+    bool any = false;
+    for (int y = tile.top; y < tile.bottom; ++y) {
+      for (int x = tile.left; x < tile.right; ++x) {
+        const std::size_t i = std::size_t(y) * std::size_t(values.width()) + std::size_t(x);
+        const bool moved = places[i] != centre(i, values.width());
+        displaced[std::size_t(y - tile.top) * PixelValues::kSide + std::size_t(x - tile.left)] = moved;
+        any = any || moved;
       }
     }
-  });
+    if (!any) continue;
+    at.resize(tile.functions.size() * kPixels);
+    values.evaluate(t, at.data());
+    for (std::size_t f = 0; f < tile.functions.size(); ++f) {
+      std::uint8_t& active = group[space.geometry_of()[tile.functions[f]]];
+      for (std::size_t i = 0; i < kPixels && !active; ++i) active = displaced[i] && at[f * kPixels + i] != 0;
+    }
+  }
   std::vector<std::uint8_t> active(space.function_count());
   for (std::size_t f = 0; f < active.size(); ++f) active[f] = group[space.geometry_of()[f]];
   return active;
@@ -134,16 +137,17 @@ void add_curves(const spline::Basis& basis, std::span<const CurvePoint> curves, 
 
 }  // namespace
 
-std::vector<Vec2> fit_geometry(const PixelValues& values, std::span<const Vec2> places,
+std::vector<Vec2> fit_geometry(const spline::PixelValues& values, std::span<const Vec2> places,
                                std::span<const CurvePoint> curves, const GeometryFitOptions& options) {
   const spline::SplineSpace& space = values.basis().space();
   std::vector<Vec2> displacement(space.geometry_count());
   if (places.empty()) return displacement;
   const image::Image target = displacement_picture(places, values.width(), values.height());
-  const std::vector<std::uint8_t> active = active_functions(values, target);
+  const std::vector<std::uint8_t> active = active_functions(values, places);
   const Unknowns unknowns = find_unknowns(space, active);
   if (unknowns.groups.empty()) return displacement;
-  Folded folded = fold(assemble(values, target, {}, active), space, unknowns);
+  const PixelValues wanted(values.basis(), values.width(), values.height(), places, active);
+  Folded folded = fold(assemble(wanted, target, {}), space, unknowns);
   add_curves(values.basis(), curves, options.feature_weight, unknowns, folded);
   const auto n = static_cast<Eigen::Index>(unknowns.groups.size());
   Matrix matrix(n, n);

@@ -120,7 +120,7 @@ std::vector<std::uint8_t> crossed_pixels(const spline::Basis& basis, std::span<c
   return crossed;
 }
 
-PixelPlaces invert_geometry(const PixelValues& values, std::span<const Vec2> displacement,
+PixelPlaces invert_geometry(const spline::PixelValues& values, std::span<const Vec2> displacement,
                             std::span<const Vec2> start) {
   const Geometry geometry(values.basis(), displacement);
   const int width = values.width();
@@ -132,7 +132,7 @@ PixelPlaces invert_geometry(const PixelValues& values, std::span<const Vec2> dis
     control[2 * f] = geometry.by_function()[f].x;
     control[2 * f + 1] = geometry.by_function()[f].y;
   }
-  surface_at_pixels(values, control, 2, offsets);
+  spline::surface_at_pixels(values, control, 2, offsets);
 
   PixelPlaces result;
   result.places.resize(pixels);

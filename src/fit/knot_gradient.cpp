@@ -6,11 +6,9 @@
 #include <optional>
 
 #include "base/multiversion.h"
-#include "fit/region_moments.h"
 #include "fit/shape_gradient.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
-#include "spline/places.h"
 
 namespace knotreel::fit {
 
@@ -23,9 +21,8 @@ using spline::Piece;
 using spline::PieceTerm;
 
 constexpr double kStep = 1e-5;        // pixels, for differences of coefficients
-constexpr std::size_t kBatch = 512;   // pixels that are added at a time
-constexpr int kBandPixels = 1 << 15;  // of running sums: 3 MB, so that they stay in the cache
-constexpr int kBandRows = 32;         // at least: all configs are looked at for each band
+constexpr std::size_t kTileRows = 4;  // of a band; each band has sums of its own for the terms that it meets
+constexpr std::size_t kPixels = spline::PixelValues::kTilePixels;
 
 /// Two unit directions in which a knot may move; the second is unused for knots on a line.
 struct Directions {
@@ -56,185 +53,110 @@ std::vector<Directions> free_directions(const mesh::KnotMesh& mesh, std::span<co
   return result;
 }
 
-/// q[i] += sum over channels of residual[channel][i] * control[channel].
-KNOTREEL_MULTIVERSION
-void project(const std::array<const float*, 4>& residual, const double* control, std::size_t channels,
-             std::size_t n, double* __restrict q) {
-  for (std::size_t c = 0; c < channels; ++c) {
-    const float* __restrict r = residual[c];
-    const double weight = control[c];
-    for (std::size_t i = 0; i < n; ++i) q[i] += static_cast<double>(r[i]) * weight;
-  }
-}
-
-/// A term without a factor by the regions where each of its slopes rules.
-class Regions {
- public:
-  Regions(const Shape& shape, int left, int right, double cell_width, Vec2 origin)
-      : count_(shape.slope_count) {
-    for (std::size_t k = 0; k < count_; ++k) {
-      Region region(left, right, cell_width, origin);
-      for (std::size_t j = 0; j < count_; ++j) {
-        if (j != k) region.cut(shape.slopes[j] - shape.slopes[k]);
-      }
-      if (shape.slopes[k].x != 0 || shape.slopes[k].y != 0) region.cut(shape.slopes[k]);
-      for (std::size_t i = 0; i < shape.wall_count; ++i) region.cut(shape.walls[i]);
-      regions_[k] = region;
-    }
-  }
-
-  void add_row(const RunningSums::Sums* sums, double y) {
-    for (std::size_t k = 0; k < count_; ++k) regions_[k].add_row(sums, y, moments_[k]);
-  }
-
-  /// @param control points of the three functions; of functions that vanish: none.
-  void add_to(const Shape& shape, const std::array<std::span<const double>, 3>& control,
-              ShapeGradient& gradient) const {
-    for (std::size_t k = 0; k < count_; ++k) {
-      for (std::size_t v = 0; v < 3; ++v) {
-        const ProductMoments q(moments_[k], control[v]);
-        add(gradient.slopes[k], q.times(shape.weights[v]));
-        add(gradient.weights[v], q.times(shape.slopes[k]));
-      }
-    }
-  }
-
- private:
-  /// Moments of the residual times a control point.
-  struct ProductMoments {
-    double one = 0, x = 0, y = 0, xx = 0, xy = 0, yy = 0;
-
-    ProductMoments(const Moments& m, std::span<const double> control) {
-      for (std::size_t c = 0; c < control.size(); ++c) {
-        one += control[c] * m.one[c];
-        x += control[c] * m.x[c];
-        y += control[c] * m.y[c];
-        xx += control[c] * m.xx[c];
-        xy += control[c] * m.xy[c];
-        yy += control[c] * m.yy[c];
-      }
-    }
-
-    /// Moments of order 0 and 1 of the product with a plane.
-    Plane times(const Plane& p) const {
-      return {p.c * one + p.x * x + p.y * y, p.c * x + p.x * xx + p.y * xy, p.c * y + p.x * xy + p.y * yy};
-    }
-  };
-
-  static void add(Plane& sum, const Plane& p) { sum = {sum.c + p.c, sum.x + p.x, sum.y + p.y}; }
-
-  std::size_t count_;
-  std::array<Region, 4> regions_{};
-  std::array<Moments, 4> moments_{};
+/// Residual times weight of the pixels of a tile, channel by channel; none beside the picture.
+struct TileResidual {
+  std::array<std::array<double, kPixels>, 4> channels;
 };
 
-/// Columns of the row at height y where a term can be positive, for pixels at most `slack` from their
-/// centres.
-std::pair<int, int> columns_of(const PieceTerm& term, double y, double slack, int width, double cell) {
-  double low = term.low.x - slack;
-  double high = term.high.x + slack;
-  const auto clip = [&](const Affine& a) {
-    if (a.nx == 0) return;
-    const double spare = slack * (std::abs(a.nx) + std::abs(a.ny));
-    const double zero = a.px - (a.ny * (y - a.py) + spare) / a.nx;
-    if (a.nx > 0) low = std::max(low, zero);
-    if (a.nx < 0) high = std::min(high, zero);
-  };
-  for (int i = 0; i < term.tent.slope_count; ++i) clip(term.tent.slopes[static_cast<std::size_t>(i)]);
-  for (int i = 0; i < term.tent.wall_count; ++i) clip(term.tent.walls[static_cast<std::size_t>(i)]);
-  const auto clamped = [width](double v) { return static_cast<int>(std::clamp(v, 0.0, double(width))); };
-  return {clamped(std::ceil(low / cell - 0.5)), clamped(std::floor(high / cell - 0.5) + 1)};
+void read_residual(const Pixels& pixels, const ColourFit& fit, const spline::PixelValues::Tile& tile,
+                   TileResidual& out) {
+  const auto channels = static_cast<std::size_t>(pixels.image->channels);
+  for (std::size_t c = 0; c < channels; ++c) out.channels[c].fill(0);
+  for (int y = tile.top; y < tile.bottom; ++y) {
+    const std::size_t row = std::size_t(y) * std::size_t(pixels.image->width);
+    const std::size_t to = std::size_t(y - tile.top) * spline::PixelValues::kSide;
+    for (std::size_t x = std::size_t(tile.left); x < std::size_t(tile.right); ++x) {
+      const float weight = pixels.weights.empty() ? 1.0F : pixels.weights[row + x];
+      for (std::size_t c = 0; c < channels; ++c) {
+        out.channels[c][to + x - std::size_t(tile.left)] =
+            static_cast<double>(fit.residual[(row + x) * channels + c] * weight);
+      }
+    }
+  }
 }
 
-/// Runs of pixels that are not at their centres, by row.
-class MovedRuns {
- public:
-  struct Run {
-    int begin;
-    int end;
-  };
+/// q[i] = sum over channels of residual * control point, for the pixels of a tile.
+KNOTREEL_MULTIVERSION
+void project(const TileResidual& residual, const double* control, std::size_t channels,
+             double* __restrict q) {
+  for (std::size_t i = 0; i < kPixels; ++i) q[i] = residual.channels[0][i] * control[0];
+  for (std::size_t c = 1; c < channels; ++c) {
+    for (std::size_t i = 0; i < kPixels; ++i) q[i] += residual.channels[c][i] * control[c];
+  }
+}
 
-  MovedRuns(const spline::Places& places, const image::Image& image, double cell_width, double cell_height) {
-    first_.push_back(0);
-    for (int y = 0; y < image.height; ++y) {
-      const double centre_y = (y + 0.5) * cell_height;
-      bool before = false;
-      for (int x = 0; x < image.width; ++x) {
-        const bool moved = places.x(y)[x] != (x + 0.5) * cell_width || places.y(y)[x] != centre_y;
-        if (moved && !before) runs_.push_back({x, x});
-        if (moved) runs_.back().end = x + 1;
-        before = moved;
-      }
-      first_.push_back(runs_.size());
+/// Sums over the pixels of some rows of tiles, for the terms that they meet.
+class Band {
+ public:
+  explicit Band(std::size_t pieces) : slots_(pieces, kNone) {}
+
+  /// Those of the terms of a piece.
+  std::span<ShapeGradient> of(std::size_t piece, std::size_t terms) {
+    if (slots_[piece] == kNone) {
+      slots_[piece] = static_cast<std::uint32_t>(sums_.size());
+      sums_.resize(sums_.size() + terms);
+    }
+    return std::span(sums_).subspan(slots_[piece], terms);
+  }
+
+  /// Adds them to the sums over the whole picture.
+  void add_to(const spline::PieceSet& set, std::span<ShapeGradient> by_term) const {
+    for (std::size_t p = 0; p < slots_.size(); ++p) {
+      if (slots_[p] == kNone) continue;
+      const Piece& piece = set.pieces[p];
+      for (std::uint32_t t = piece.term_begin; t < piece.term_end; ++t)
+        fit::add_to(by_term[t], sums_[slots_[p] + t - piece.term_begin]);
     }
   }
 
-  std::span<const Run> row(int y) const {
-    const auto i = static_cast<std::size_t>(y);
-    return std::span(runs_).subspan(first_[i], first_[i + 1] - first_[i]);
-  }
-
-  /// Those that meet some columns.
-  std::span<const Run> row(int y, Run columns) const {
-    const std::span<const Run> all = row(y);
-    const auto from =
-        std::partition_point(all.begin(), all.end(), [&](const Run& r) { return r.end <= columns.begin; });
-    const auto to =
-        std::partition_point(from, all.end(), [&](const Run& r) { return r.begin < columns.end; });
-    return {from, to};
-  }
-
  private:
-  std::vector<Run> runs_;
-  std::vector<std::size_t> first_;
+  static constexpr std::uint32_t kNone = 0xffffffff;
+  std::vector<std::uint32_t> slots_;
+  std::vector<ShapeGradient> sums_;
 };
 
 class Derivatives {
  public:
-  Derivatives(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
+  Derivatives(const spline::PixelValues& values, const Pixels& pixels, const ColourFit& fit,
               std::span<const std::uint8_t> wanted)
-      : basis_(basis),
-        image_(*pixels.image),
+      : values_(values),
+        basis_(values.basis()),
+        pixels_(pixels),
         fit_(fit),
-        directions_(free_directions(basis.space().mesh(), wanted)),
-        cell_width_(basis.space().mesh().width / image_.width),
-        cell_height_(basis.space().mesh().height / image_.height),
-        places_(image_.width, image_.height, cell_width_, cell_height_, pixels.places) {
-    const auto channels = static_cast<std::size_t>(image_.channels);
-    weighted_.resize(channels);
-    for (std::size_t c = 0; c < channels; ++c) {
-      weighted_[c].resize(image_.pixel_count());
-      for (std::size_t i = 0; i < weighted_[c].size(); ++i) {
-        weighted_[c][i] =
-            fit.residual[i * channels + c] * (pixels.weights.empty() ? 1.0F : pixels.weights[i]);
-      }
-    }
-    still_ = weighted_;
-    if (pixels.places.empty()) return;
-    moved_.emplace(places_, image_, cell_width_, cell_height_);
-    for (int y = 0; y < image_.height; ++y) {
-      for (const MovedRuns::Run& run : moved_->row(y)) {
-        for (auto& channel : still_)
-          std::fill_n(channel.begin() + y * image_.width + run.begin, run.end - run.begin, 0.0F);
-      }
-    }
+        directions_(free_directions(basis_.space().mesh(), wanted)) {
+    movable_.reserve(basis_.space().configs().size());
+    for (const spline::Config& c : basis_.space().configs()) movable_.push_back(has_movable_knot(c));
   }
 
-  double cell_width() const { return cell_width_; }
-
-  /// Residual times weight, by channel; zero for pixels that are not at their centres.
-  std::span<const std::vector<float>> still() const { return still_; }
-
-  /// Adds the pixels of a band of rows to the gradient by the planes of the terms of one config.
-  void add_band(std::size_t config, const RunningSums& sums, std::span<ShapeGradient> by_term) const {
-    const Piece& piece = basis_.pieces().pieces[config];
-    if (piece.term_begin == piece.term_end) return;
-    const PieceTerm& term = basis_.pieces().terms[piece.term_begin];
-    const double slack = places_.widest();
-    if (term.high.y + slack < sums.begin() * cell_height_ || term.low.y - slack > sums.end() * cell_height_)
-      return;
-    if (movable_knots(config).count == 0) return;
-    sum_pixels(config, sums, by_term.subspan(piece.term_begin, piece.term_end - piece.term_begin));
+  /// Adds the pixels of a tile to the gradients by the planes of all terms that have a movable knot.
+  void add_tile(std::size_t tile, Band& band) const {
+    const spline::PixelValues::Tile at = values_.tile(tile);
+    const Vec2 corner = values_.corner(tile);
+    std::array<double, kPixels> x;
+    std::array<double, kPixels> y;
+    values_.places(tile, corner, x.data(), y.data());
+    TileResidual residual;
+    read_residual(pixels_, fit_, at, residual);
+    const auto channels = static_cast<std::size_t>(pixels_.image->channels);
+    thread_local std::vector<double> products;  // residual times control point of each function
+    products.resize((at.functions.size() + 1) * kPixels);
+    double* const zeros = products.data() + at.functions.size() * kPixels;
+    for (std::size_t f = 0; f < at.functions.size(); ++f)
+      project(residual, &fit_.control[at.functions[f] * channels], channels, &products[f * kPixels]);
+    std::fill_n(zeros, kPixels, 0.0);
+    for (const auto& entry : values_.entries(tile)) {
+      if (!movable_[entry.piece]) continue;
+      const Piece& piece = basis_.pieces().pieces[entry.piece];
+      const std::span<const PieceTerm> terms = terms_of(piece);
+      const double* q[3];
+      for (std::size_t k = 0; k < 3; ++k) {
+        q[k] = entry.slots[k] == spline::PixelValues::kNoSlot ? zeros : &products[entry.slots[k] * kPixels];
+      }
+      const std::span<ShapeGradient> sums = band.of(entry.piece, terms.size());
+      const Vec2 offset = corner - origin_of(entry.piece);
+      for (std::size_t t = 0; t < terms.size(); ++t)
+        add_pixels(shape_of(piece, terms[t], corner), x.data(), y.data(), q, offset, sums[t]);
+    }
   }
 
   struct Share {
@@ -242,39 +164,39 @@ class Derivatives {
     Vec2 value;
   };
 
-  /// d/dt of sum over pixels of r . S_config for the knots of one config.
+  /// d/dt of sum over pixels of r . S_config for the movable knots of one config. What an affine map of all
+  /// knots brings is known from the planes, which it maps too. So only knots beyond the first three are
+  /// shifted on their own: the map that moves one of the three, and not the others, takes those along.
   void add_shares(std::size_t config, std::span<const ShapeGradient> by_term, std::vector<Share>& out) const {
     const Piece& piece = basis_.pieces().pieces[config];
-    if (piece.term_begin == piece.term_end) return;
-    const MovableKnots knots = movable_knots(config);
-    if (knots.count == 0) return;
+    if (piece.term_begin == piece.term_end || !movable_[config]) return;
     const std::span<const PieceTerm> terms = terms_of(piece);
     const auto gradients = by_term.subspan(piece.term_begin, terms.size());
-    const spline::SplineSpace& space = basis_.space();
     const Vec2 origin = origin_of(config);
     thread_local std::vector<Shape> shapes;
     shapes.clear();
     for (const PieceTerm& term : terms) shapes.push_back(shape_of(piece, term, origin));
 
-    thread_local std::vector<PieceTerm> shifted;
-    for (std::size_t i = 0; i < knots.count; ++i) {
-      const KnotIndex k = knots.knots[i];
-      Share share{k, {}};
-      for (int d = 0; d < directions_[k].count; ++d) {
-        const Vec2 direction = directions_[k].d[static_cast<std::size_t>(d)];
-        shifted.clear();
-        const Piece moved = spline::make_shifted_piece(
-            space, config, {k, space.mesh().knots[k].position + kStep * direction}, shifted);
-        if (shifted.size() != shapes.size()) continue;  // as good as degenerate
-        double sum = 0;
-        for (std::size_t t = 0; t < shapes.size(); ++t) {
-          if (shifted[t].tent.slope_count != terms[t].tent.slope_count) continue;
-          sum += change(gradients[t], shapes[t], shape_of(moved, shifted[t], origin));
-        }
-        share.value = share.value + (sum / kStep) * direction;
-      }
-      out.push_back(share);
+    const Knots knots = knots_of(config);
+    std::array<Vec2, 5> changes{};
+    for (std::size_t i = 3; i < knots.count; ++i) {
+      const std::optional<Vec2> change = by_shifts(config, knots.index[i], shapes, gradients);
+      if (!change) return;  // as good as degenerate
+      changes[i] = *change;
     }
+    std::array<Vec2, 3> affine{};
+    for (std::size_t t = 0; t < shapes.size(); ++t) add_affine(shapes[t], gradients[t], affine);
+    const std::array<Vec2, 5>& p = knots.position;
+    for (std::size_t v = 0; v < 3; ++v) {
+      const Vec2 from = p[(v + 1) % 3];
+      const Vec2 side = p[(v + 2) % 3] - from;
+      const double area = cross(side, p[v] - from);
+      // How far a point moves along: by its distance from the opposite side.
+      const auto moved = [&](Vec2 u) { return cross(side, u - from) / area; };
+      changes[v] = moved(origin) * affine[0] + (-side.y / area) * affine[1] + (side.x / area) * affine[2];
+      for (std::size_t i = 3; i < knots.count; ++i) changes[v] = changes[v] - moved(p[i]) * changes[i];
+    }
+    for (std::size_t i = 0; i < knots.count; ++i) add_share(knots.index[i], changes[i], out);
   }
 
  private:
@@ -286,180 +208,129 @@ class Derivatives {
     return std::span(basis_.pieces().terms).subspan(piece.term_begin, piece.term_end - piece.term_begin);
   }
 
-  /// The knots of a config by which derivatives are taken, each once.
-  struct MovableKnots {
-    std::array<KnotIndex, 5> knots{};
+  KnotIndex knot_of(spline::CornerIndex corner) const { return basis_.space().cut().corners[corner].knot; }
+
+  bool has_movable_knot(const spline::Config& config) const {
+    const auto movable = [&](spline::CornerIndex c) { return directions_[knot_of(c)].count > 0; };
+    return std::any_of(config.triangle.begin(), config.triangle.end(), movable) ||
+           std::any_of(config.inner.begin(), config.inner.begin() + basis_.space().degree() - 1, movable);
+  }
+
+  /// The knots of a config, each once, the three of the largest triangle first.
+  struct Knots {
+    std::array<KnotIndex, 5> index{};
+    std::array<Vec2, 5> position{};
     std::size_t count = 0;
   };
 
-  MovableKnots movable_knots(std::size_t config) const {
-    const spline::SplineSpace& space = basis_.space();
-    const spline::Config& c = space.configs()[config];
-    MovableKnots result;
+  Knots knots_of(std::size_t config) const {
+    const spline::Config& c = basis_.space().configs()[config];
+    Knots knots;
     const auto add = [&](spline::CornerIndex corner) {
-      const KnotIndex k = space.cut().corners[corner].knot;
-      const auto known = std::span(result.knots).first(result.count);
-      if (directions_[k].count == 0 || std::find(known.begin(), known.end(), k) != known.end()) return;
-      result.knots[result.count++] = k;
+      const KnotIndex k = knot_of(corner);
+      const auto known = std::span(knots.index).first(knots.count);
+      if (std::find(known.begin(), known.end(), k) != known.end()) return;
+      knots.position[knots.count] = basis_.space().position(corner);
+      knots.index[knots.count++] = k;
     };
     for (const auto corner : c.triangle) add(corner);
-    for (int i = 0; i + 1 < space.degree(); ++i) add(c.inner[static_cast<std::size_t>(i)]);
-    return result;
+    for (int i = 0; i + 1 < basis_.space().degree(); ++i) add(c.inner[static_cast<std::size_t>(i)]);
+    double largest = 0;
+    std::array<std::size_t, 3> first{0, 1, 2};
+    for (std::size_t i = 0; i < knots.count; ++i) {
+      for (std::size_t j = i + 1; j < knots.count; ++j) {
+        for (std::size_t k = j + 1; k < knots.count; ++k) {
+          const double area = std::abs(signed_area(knots.position[i], knots.position[j], knots.position[k]));
+          if (area <= largest) continue;
+          largest = area;
+          first = {i, j, k};
+        }
+      }
+    }
+    // Ascending, so no swap undoes one before.
+    for (std::size_t i = 0; i < 3; ++i) {
+      std::swap(knots.index[i], knots.index[first[i]]);
+      std::swap(knots.position[i], knots.position[first[i]]);
+    }
+    return knots;
   }
 
-  /// Pixels at their centres are summed by regions, moved ones one by one.
-  void sum_pixels(std::size_t config, const RunningSums& sums, std::span<ShapeGradient> gradients) const {
-    const Piece& piece = basis_.pieces().pieces[config];
-    const std::span<const PieceTerm> terms = terms_of(piece);
-    // All terms of a piece have the same box.
-    const Vec2 low = terms.front().low;
-    const Vec2 high = terms.front().high;
-    const double slack = places_.reach(low, high);
-    const auto first = [slack](double v, double cell, int from, int to) {
-      return static_cast<int>(std::clamp(std::ceil((v - slack) / cell - 0.5), double(from), double(to)));
-    };
-    const auto last = [slack](double v, double cell, int from, int to) {
-      return static_cast<int>(std::clamp(std::floor((v + slack) / cell - 0.5) + 1, double(from), double(to)));
-    };
-    const int top = first(low.y, cell_height_, sums.begin(), sums.end());
-    const int bottom = last(high.y, cell_height_, sums.begin(), sums.end());
-    const int left = first(low.x, cell_width_, 0, image_.width);
-    const int right = last(high.x, cell_width_, 0, image_.width);
-    if (top >= bottom || left >= right) return;
-
+  /// The derivative by one knot, by small differences of the coefficients of the planes; none if the shape
+  /// becomes another one.
+  std::optional<Vec2> by_shifts(std::size_t config, KnotIndex knot, const std::vector<Shape>& shapes,
+                                std::span<const ShapeGradient> gradients) const {
+    const spline::SplineSpace& space = basis_.space();
     const Vec2 origin = origin_of(config);
-    thread_local std::vector<Shape> shapes;
-    shapes.clear();
-    for (const PieceTerm& term : terms) shapes.push_back(shape_of(piece, term, origin));
-    std::optional<Regions> regions;
-    if (!terms.front().has_factor) regions.emplace(shapes.front(), left, right, cell_width_, origin);
-    thread_local PixelBatch batch;
-    batch.clear();
-    for (int y = top; y < bottom; ++y) {
-      if (regions) regions->add_row(sums.row(y), (y + 0.5) * cell_height_ - origin.y);
-      append_row(y, {left, right}, slack, terms, !regions, origin, batch);
-      if (batch.x.size() >= kBatch) add_batch(config, shapes, batch, gradients);
-    }
-    if (regions) regions->add_to(shapes.front(), controls_of(config), gradients.front());
-    if (!batch.x.empty()) add_batch(config, shapes, batch, gradients);
-  }
-
-  std::array<std::span<const double>, 3> controls_of(std::size_t config) const {
-    const auto channels = static_cast<std::size_t>(image_.channels);
-    std::array<std::span<const double>, 3> result;
-    for (std::size_t v = 0; v < 3; ++v) {
-      const spline::FunctionIndex f = basis_.space().configs()[config].functions[v];
-      if (f != spline::kNoFunction) result[v] = std::span(fit_.control).subspan(f * channels, channels);
+    thread_local std::vector<PieceTerm> shifted;
+    Vec2 result;
+    for (const Vec2 direction : {Vec2{1, 0}, Vec2{0, 1}}) {
+      shifted.clear();
+      const Piece moved = spline::make_shifted_piece(
+          space, config, {knot, space.mesh().knots[knot].position + kStep * direction}, shifted);
+      if (shifted.size() != shapes.size()) return std::nullopt;
+      double sum = 0;
+      for (std::size_t t = 0; t < shapes.size(); ++t) {
+        const Shape shape = shape_of(moved, shifted[t], origin);
+        if (shape.slope_count != shapes[t].slope_count) return std::nullopt;
+        sum += change(gradients[t], shapes[t], shape);
+      }
+      result = result + (sum / kStep) * direction;
     }
     return result;
   }
 
-  /// Appends the pixels of a row where some term may be positive: all of them, or those that are moved.
-  /// @param box columns outside of which there are none.
-  void append_row(int y, MovedRuns::Run box, double slack, std::span<const PieceTerm> terms, bool all,
-                  Vec2 origin, PixelBatch& batch) const {
-    if (!all && slack == 0) return;
-    const std::span<const MovedRuns::Run> runs = all ? std::span(&box, 1) : moved_->row(y, box);
-    if (runs.empty()) return;
-    const MovedRuns::Run columns = columns_of_any(terms, y, slack);
-    for (const MovedRuns::Run& run : runs) {
-      const int from = std::max(run.begin, columns.begin);
-      const int to = std::min(run.end, columns.end);
-      if (from < to) append_run(y, {from, to}, origin, batch);
-    }
+  /// Adds what the residual of one config brings for a knot, within the directions in which it may move.
+  void add_share(KnotIndex knot, Vec2 change, std::vector<Share>& out) const {
+    const Directions& free = directions_[knot];
+    if (free.count == 0) return;
+    out.push_back({knot, free.count == 2 ? change : dot(change, free.d[0]) * free.d[0]});
   }
 
-  MovedRuns::Run columns_of_any(std::span<const PieceTerm> terms, int y, double slack) const {
-    MovedRuns::Run columns{image_.width, 0};
-    for (const PieceTerm& term : terms) {
-      const auto [first, last] = columns_of(term, (y + 0.5) * cell_height_, slack, image_.width, cell_width_);
-      if (first >= last) continue;
-      columns.begin = std::min(columns.begin, first);
-      columns.end = std::max(columns.end, last);
-    }
-    return columns;
-  }
-
-  void append_run(int y, MovedRuns::Run run, Vec2 origin, PixelBatch& batch) const {
-    const std::size_t before = batch.x.size();
-    const auto n = static_cast<std::size_t>(run.end - run.begin);
-    batch.x.resize(before + n);
-    batch.y.resize(before + n);
-    for (std::size_t i = 0; i < n; ++i) {
-      const int x = run.begin + static_cast<int>(i);
-      batch.x[before + i] = (moved_ ? places_.x(y)[x] : (x + 0.5) * cell_width_) - origin.x;
-      batch.y[before + i] = (moved_ ? places_.y(y)[x] : (y + 0.5) * cell_height_) - origin.y;
-    }
-    const std::size_t row = static_cast<std::size_t>(y) * std::size_t(image_.width);
-    for (std::size_t c = 0; c < weighted_.size(); ++c) {
-      const float* r = weighted_[c].data() + row;
-      batch.residual[c].insert(batch.residual[c].end(), r + run.begin, r + run.end);
-    }
-  }
-
-  /// Adds the pixels of a batch and clears it.
-  void add_batch(std::size_t config, const std::vector<Shape>& shapes, PixelBatch& batch,
-                 std::span<ShapeGradient> gradients) const {
-    batch.pad();
-    const std::size_t n = batch.x.size();
-    std::array<const float*, 4> residual{};
-    for (std::size_t c = 0; c < 4; ++c) residual[c] = batch.residual[c].data();
-    const auto controls = controls_of(config);
-    for (std::size_t v = 0; v < 3; ++v)
-      project(residual, controls[v].data(), controls[v].size(), n, batch.q[v].data());
-    const double* q[] = {batch.q[0].data(), batch.q[1].data(), batch.q[2].data()};
-    double* out[8];
-    for (std::size_t k = 0; k < 8; ++k) out[k] = batch.out[k].data();
-    for (std::size_t t = 0; t < shapes.size(); ++t) {
-      ShapeMoments moments;
-      add_pixels(shapes[t], n, batch.x.data(), batch.y.data(), q, out, moments);
-      add_to(gradients[t], moments);
-    }
-    batch.clear();
-  }
-
+  const spline::PixelValues& values_;
   const spline::Basis& basis_;
-  const image::Image& image_;
+  const Pixels& pixels_;
   const ColourFit& fit_;
   std::vector<Directions> directions_;
-  double cell_width_;  ///< of a pixel in the domain
-  double cell_height_;
-  spline::Places places_;
-  std::optional<MovedRuns> moved_;
-  std::vector<std::vector<float>> weighted_;  ///< residual times weight, by channel
-  std::vector<std::vector<float>> still_;     ///< the same, zero for moved pixels
+  std::vector<std::uint8_t> movable_;  ///< by config: whether derivatives by some knot of it are taken
 };
 
 }  // namespace
 
-std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
+std::vector<Vec2> knot_gradient(const spline::PixelValues& values, const Pixels& pixels, const ColourFit& fit,
                                 std::span<const std::uint8_t> wanted) {
+  const spline::Basis& basis = values.basis();
   if (!wanted.empty() && wanted.size() != basis.space().mesh().knots.size()) {
     throw Error(ErrorKind::kInvalidArgument, "a gradient is wanted for some of the knots, one flag per knot");
   }
-  const Derivatives derivatives(basis, pixels, fit, wanted);
+  const Derivatives derivatives(values, pixels, fit, wanted);
   const std::size_t configs = basis.space().configs().size();
-  constexpr std::size_t kBlock = 128;
-  const std::size_t blocks = (configs + kBlock - 1) / kBlock;
-  const auto for_configs = [&](auto&& visit) {
-    parallel_for(blocks, [&](std::size_t b) {
-      for (std::size_t c = b * kBlock; c < std::min(configs, (b + 1) * kBlock); ++c) visit(b, c);
-    });
-  };
+  const std::size_t columns = values.tile_columns();
+  const std::size_t rows = values.tile_count() / columns;
+  std::vector<Band> bands((rows + kTileRows - 1) / kTileRows, Band(configs));
+  parallel_for(bands.size(), [&](std::size_t b) {
+    for (std::size_t t = b * kTileRows * columns; t < std::min(rows, (b + 1) * kTileRows) * columns; ++t)
+      derivatives.add_tile(t, bands[b]);
+  });
   std::vector<ShapeGradient> by_term(basis.pieces().terms.size());
-  const int rows = std::max(kBandRows, kBandPixels / pixels.image->width);
-  for (int begin = 0; begin < pixels.image->height; begin += rows) {
-    const RunningSums sums(derivatives.still(), pixels.image->width, begin,
-                           std::min(pixels.image->height, begin + rows), derivatives.cell_width());
-    for_configs([&](std::size_t, std::size_t c) { derivatives.add_band(c, sums, by_term); });
-  }
-  std::vector<std::vector<Derivatives::Share>> shares(blocks);
-  for_configs([&](std::size_t b, std::size_t c) { derivatives.add_shares(c, by_term, shares[b]); });
+  for (const Band& band : bands) band.add_to(basis.pieces(), by_term);
+
+  constexpr std::size_t kBlock = 128;
+  std::vector<std::vector<Derivatives::Share>> shares((configs + kBlock - 1) / kBlock);
+  parallel_for(shares.size(), [&](std::size_t b) {
+    for (std::size_t c = b * kBlock; c < std::min(configs, (b + 1) * kBlock); ++c)
+      derivatives.add_shares(c, by_term, shares[b]);
+  });
   std::vector<Vec2> gradient(basis.space().mesh().knots.size());
   for (const auto& block : shares) {
     for (const auto& s : block) gradient[s.knot] = gradient[s.knot] - 2 * s.value;
   }
   return gradient;
+}
+
+std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
+                                std::span<const std::uint8_t> wanted) {
+  const spline::PixelValues values(basis, pixels.image->width, pixels.image->height, pixels.places);
+  return knot_gradient(values, pixels, fit, wanted);
 }
 
 }  // namespace knotreel::fit

@@ -3,8 +3,8 @@
 #include <Eigen/Dense>
 #include <Eigen/SparseCore>
 
-#include "knotreel/fit/pixel_values.h"
 #include "knotreel/image/image.h"
+#include "knotreel/spline/pixel_values.h"
 
 namespace knotreel::fit {
 
@@ -18,9 +18,8 @@ struct NormalEquations {
 
 /// @param target  b: one sample per pixel and channel.
 /// @param weights one per pixel, or none: all 1.
-/// @param active  one per function: 0 leaves its row and column zero; or none: all take part.
-/// Parallel over functions; same bits for any number of threads.
-NormalEquations assemble(const PixelValues& values, const image::Image& target,
-                         std::span<const float> weights, std::span<const std::uint8_t> active = {});
+/// Parallel over tiles and functions; same bits for any number of threads. Memory: some 40 bytes per pixel.
+NormalEquations assemble(const spline::PixelValues& values, const image::Image& target,
+                         std::span<const float> weights);
 
 }  // namespace knotreel::fit

@@ -1,8 +1,10 @@
 #include "fit/shape_gradient.h"
 
 #include <algorithm>
+#include <cstring>
 
 #include "base/multiversion.h"
+#include "knotreel/spline/pixel_values.h"
 
 namespace knotreel::fit {
 
@@ -12,25 +14,18 @@ using spline::PieceTerm;
 
 namespace {
 
-Plane plane_of(const Affine& a, Vec2 origin) {
-  return {a(origin), a.nx, a.ny};
-}
+constexpr std::size_t kPixels = spline::PixelValues::kTilePixels;
+constexpr std::size_t kLanes = 8;
+constexpr std::size_t kPlanes = ShapeGradient::kPlanes;
 
-double dot(const Plane& p, const Plane& q) {
-  return p.c * q.c + p.x * q.x + p.y * q.y;
-}
+/// Pixels that are summed side by side: a fixed order, whatever the width of vectors.
+using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
 
-void add_to(Plane& sum, const PlaneMoments& m) {
-  const auto total = [](const std::array<double, kLanes>& v) {
-    return ((v[0] + v[1]) + (v[2] + v[3])) + ((v[4] + v[5]) + (v[6] + v[7]));
-  };
-  sum = {sum.c + total(m.c), sum.x + total(m.x), sum.y + total(m.y)};
-}
-
-/// The quantities of n pixels whose moments are taken: o0 to o3 for the slopes, each where it rules, of for
-/// the factor and p0 to p2 for the weights. S: the number of slopes; quantities of those missing are not set.
+/// The quantities of the pixels of a tile whose moments are taken: o0 to o3 for the slopes, each where it
+/// rules, of for the factor and p0 to p2 for the weights. S: the number of slopes; quantities of those
+/// missing are not set.
 template <int S, bool Walls, bool Factor>
-[[gnu::always_inline]] inline void fill_quantities(const Shape& s, std::size_t n, const double* __restrict x,
+[[gnu::always_inline]] inline void fill_quantities(const Shape& s, const double* __restrict x,
                                                    const double* __restrict y, const double* __restrict q0,
                                                    const double* __restrict q1, const double* __restrict q2,
                                                    double* __restrict o0, double* __restrict o1,
@@ -40,7 +35,7 @@ template <int S, bool Walls, bool Factor>
   const Plane s0 = s.slopes[0], s1 = s.slopes[1], s2 = s.slopes[2], s3 = s.slopes[3];
   const Plane a0 = s.walls[0], a1 = s.walls[1], a2 = s.walls[2];
   const Plane w0 = s.weights[0], w1 = s.weights[1], w2 = s.weights[2], wf = s.factor;
-  for (std::size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < kPixels; ++i) {
     const double ux = x[i];
     const double uy = y[i];
     const auto at = [ux, uy](const Plane& p) { return p.c + p.x * ux + p.y * uy; };
@@ -94,36 +89,77 @@ template <int S, bool Walls, bool Factor>
 }
 
 template <bool Walls, bool Factor>
-[[gnu::always_inline]] inline void fill_by_slopes(const Shape& s, std::size_t n, const double* x,
-                                                  const double* y, const double* const* q, double* const* o) {
+[[gnu::always_inline]] inline void fill_by_slopes(const Shape& s, const double* x, const double* y,
+                                                  const double* const* q, double* const* o) {
   switch (s.slope_count) {
     case 1:
-      return fill_quantities<1, Walls, Factor>(s, n, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4],
-                                               o[5], o[6], o[7]);
+      return fill_quantities<1, Walls, Factor>(s, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4], o[5],
+                                               o[6], o[7]);
     case 2:
-      return fill_quantities<2, Walls, Factor>(s, n, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4],
-                                               o[5], o[6], o[7]);
+      return fill_quantities<2, Walls, Factor>(s, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4], o[5],
+                                               o[6], o[7]);
     case 3:
-      return fill_quantities<3, Walls, Factor>(s, n, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4],
-                                               o[5], o[6], o[7]);
+      return fill_quantities<3, Walls, Factor>(s, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4], o[5],
+                                               o[6], o[7]);
     default:
-      return fill_quantities<4, Walls, Factor>(s, n, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4],
-                                               o[5], o[6], o[7]);
+      return fill_quantities<4, Walls, Factor>(s, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4], o[5],
+                                               o[6], o[7]);
   }
 }
 
-[[gnu::always_inline]] inline void add_moments(std::size_t n, const double* __restrict x,
-                                               const double* __restrict y, const double* __restrict o,
-                                               PlaneMoments& moments) {
-  PlaneMoments sum = moments;
-  for (std::size_t i = 0; i < n; i += kLanes) {
-    for (std::size_t l = 0; l < kLanes; ++l) {
-      sum.c[l] += o[i + l];
-      sum.x[l] += o[i + l] * x[i + l];
-      sum.y[l] += o[i + l] * y[i + l];
+/// The sums of the lanes of eight vectors.
+[[gnu::always_inline]] inline void sum_lanes(const Lanes* v, Lanes& sums) {
+  Lanes pairs[4];
+  for (std::size_t i = 0; i < 4; ++i) {
+    pairs[i] = __builtin_shufflevector(v[2 * i], v[2 * i + 1], 0, 8, 2, 10, 4, 12, 6, 14) +
+               __builtin_shufflevector(v[2 * i], v[2 * i + 1], 1, 9, 3, 11, 5, 13, 7, 15);
+  }
+  Lanes fours[2];
+  for (std::size_t i = 0; i < 2; ++i) {
+    fours[i] = __builtin_shufflevector(pairs[2 * i], pairs[2 * i + 1], 0, 1, 8, 9, 4, 5, 12, 13) +
+               __builtin_shufflevector(pairs[2 * i], pairs[2 * i + 1], 2, 3, 10, 11, 6, 7, 14, 15);
+  }
+  sums = __builtin_shufflevector(fours[0], fours[1], 0, 1, 2, 3, 8, 9, 10, 11) +
+         __builtin_shufflevector(fours[0], fours[1], 4, 5, 6, 7, 12, 13, 14, 15);
+}
+
+/// Sums of quantities, of them times x and of them times y, relative to another origin.
+/// @param used whether there is such a quantity.
+[[gnu::always_inline]] inline void add_moments(const double* x, const double* y,
+                                               const double (*quantities)[kPixels], const bool* used,
+                                               Vec2 offset, ShapeGradient& gradient) {
+  Lanes c[kPlanes];
+  Lanes cx[kPlanes];
+  Lanes cy[kPlanes];
+  for (std::size_t k = 0; k < kPlanes; ++k) {
+    c[k] = cx[k] = cy[k] = Lanes{};
+    for (std::size_t i = 0; used[k] && i < kPixels; i += kLanes) {
+      Lanes o, ux, uy;
+      std::memcpy(&o, quantities[k] + i, sizeof o);
+      std::memcpy(&ux, x + i, sizeof ux);
+      std::memcpy(&uy, y + i, sizeof uy);
+      c[k] += o;
+      cx[k] += o * ux;
+      cy[k] += o * uy;
     }
   }
-  moments = sum;
+  Lanes one;
+  Lanes by_x;
+  Lanes by_y;
+  sum_lanes(c, one);
+  sum_lanes(cx, by_x);
+  sum_lanes(cy, by_y);
+  by_x += offset.x * one;
+  by_y += offset.y * one;
+  const auto add = [](std::array<double, kPlanes>& sum, const Lanes& more) {
+    Lanes all;
+    std::memcpy(&all, sum.data(), sizeof all);
+    all += more;
+    std::memcpy(sum.data(), &all, sizeof all);
+  };
+  add(gradient.c, one);
+  add(gradient.x, by_x);
+  add(gradient.y, by_y);
 }
 
 }  // namespace
@@ -143,32 +179,52 @@ Shape shape_of(const Piece& piece, const PieceTerm& term, Vec2 origin) {
   return s;
 }
 
-void add_to(ShapeGradient& gradient, const ShapeMoments& moments) {
-  for (std::size_t i = 0; i < 4; ++i) add_to(gradient.slopes[i], moments.slopes[i]);
-  add_to(gradient.factor, moments.factor);
-  for (std::size_t i = 0; i < 3; ++i) add_to(gradient.weights[i], moments.weights[i]);
+void add_to(ShapeGradient& sum, const ShapeGradient& gradient) {
+  for (std::size_t i = 0; i < kPlanes; ++i) {
+    sum.c[i] += gradient.c[i];
+    sum.x[i] += gradient.x[i];
+    sum.y[i] += gradient.y[i];
+  }
 }
 
 double change(const ShapeGradient& g, const Shape& from, const Shape& to) {
-  double sum = dot(to.factor - from.factor, g.factor);
-  for (std::size_t i = 0; i < 4; ++i) sum += dot(to.slopes[i] - from.slopes[i], g.slopes[i]);
-  for (std::size_t i = 0; i < 3; ++i) sum += dot(to.weights[i] - from.weights[i], g.weights[i]);
+  const auto of = [&g](std::size_t plane, const Plane& p) {
+    return p.c * g.c[plane] + p.x * g.x[plane] + p.y * g.y[plane];
+  };
+  double sum = of(ShapeGradient::kFactor, to.factor - from.factor);
+  for (std::size_t i = 0; i < 4; ++i) sum += of(i, to.slopes[i] - from.slopes[i]);
+  for (std::size_t i = 0; i < 3; ++i) sum += of(ShapeGradient::kWeights + i, to.weights[i] - from.weights[i]);
   return sum;
 }
 
+void add_affine(const Shape& s, const ShapeGradient& g, std::array<Vec2, 3>& sum) {
+  const auto add = [&](std::size_t plane, const Plane& p) {
+    const Vec2 slope{p.x, p.y};
+    sum[0] = sum[0] - g.c[plane] * slope;
+    sum[1] = sum[1] - g.x[plane] * slope;
+    sum[2] = sum[2] - g.y[plane] * slope;
+  };
+  for (std::size_t i = 0; i < s.slope_count; ++i) add(i, s.slopes[i]);
+  if (s.has_factor) add(ShapeGradient::kFactor, s.factor);
+  for (std::size_t i = 0; i < 3; ++i) add(ShapeGradient::kWeights + i, s.weights[i]);
+}
+
 KNOTREEL_MULTIVERSION
-void add_pixels(const Shape& s, std::size_t n, const double* x, const double* y, const double* const* q,
-                double* const* o, ShapeMoments& moments) {
+void add_pixels(const Shape& s, const double* x, const double* y, const double* const* q, Vec2 offset,
+                ShapeGradient& gradient) {
+  double quantities[kPlanes][kPixels];
+  double* o[kPlanes];
+  for (std::size_t k = 0; k < kPlanes; ++k) o[k] = quantities[k];
   if (s.has_factor) {
-    fill_by_slopes<true, true>(s, n, x, y, q, o);
-    add_moments(n, x, y, o[4], moments.factor);
+    fill_by_slopes<true, true>(s, x, y, q, o);
   } else if (s.wall_count > 0) {
-    fill_by_slopes<true, false>(s, n, x, y, q, o);
+    fill_by_slopes<true, false>(s, x, y, q, o);
   } else {
-    fill_by_slopes<false, false>(s, n, x, y, q, o);
+    fill_by_slopes<false, false>(s, x, y, q, o);
   }
-  for (std::size_t k = 0; k < s.slope_count; ++k) add_moments(n, x, y, o[k], moments.slopes[k]);
-  for (std::size_t k = 0; k < 3; ++k) add_moments(n, x, y, o[5 + k], moments.weights[k]);
+  const bool used[kPlanes] = {
+      true, s.slope_count > 1, s.slope_count > 2, s.slope_count > 3, s.has_factor, true, true, true};
+  add_moments(x, y, quantities, used, offset, gradient);
 }
 
 }  // namespace knotreel::fit

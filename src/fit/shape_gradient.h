@@ -2,14 +2,14 @@
 
 #include <array>
 #include <cstddef>
-#include <vector>
 
-#include "fit/region_moments.h"
-#include "knotreel/spline/piece.h"
+#include "spline/plane.h"
 
 /// Derivatives of sums over pixels by the planes that the terms of a piece are made of (docs/algorithm.md,
 /// "descent on the true residual").
 namespace knotreel::fit {
+
+using spline::Plane;
 
 /// One term of a piece: min of the slopes, inside the walls, times the factor, times the three weights.
 struct Shape {
@@ -25,66 +25,30 @@ struct Shape {
 /// @param origin of the planes' coordinates.
 Shape shape_of(const spline::Piece& piece, const spline::PieceTerm& term, Vec2 origin);
 
-/// Pixels that are summed side by side: the order of the sums is fixed, whatever the vector width.
-constexpr std::size_t kLanes = 8;
-
-/// Sums over pixels of a quantity, of it times x - ox, and of it times y - oy, by lanes.
-struct PlaneMoments {
-  std::array<double, kLanes> c{};
-  std::array<double, kLanes> x{};
-  std::array<double, kLanes> y{};
-};
-
 /// Derivative of sum over pixels of (q_0 w_0 + q_1 w_1 + q_2 w_2) * factor * min of slopes by the
-/// coefficients of each of its planes.
+/// coefficients of each of its planes: of the four slopes, the factor and the three weights, in this order.
 struct ShapeGradient {
-  std::array<Plane, 4> slopes{};
-  Plane factor{};
-  std::array<Plane, 3> weights{};
+  static constexpr std::size_t kFactor = 4;
+  static constexpr std::size_t kWeights = 5;
+  static constexpr std::size_t kPlanes = 8;
+  std::array<double, kPlanes> c{};
+  std::array<double, kPlanes> x{};
+  std::array<double, kPlanes> y{};
 };
 
-/// The same while pixels are added, by lanes.
-struct ShapeMoments {
-  std::array<PlaneMoments, 4> slopes{};
-  PlaneMoments factor{};
-  std::array<PlaneMoments, 3> weights{};
-};
-
-/// Takes over what the lanes have summed up.
-void add_to(ShapeGradient& gradient, const ShapeMoments& moments);
+void add_to(ShapeGradient& sum, const ShapeGradient& gradient);
 
 /// How the sum changes when the planes change like this.
 double change(const ShapeGradient& g, const Shape& from, const Shape& to);
 
-/// Pixels in any order: places relative to the origin, and weighted residuals.
-struct PixelBatch {
-  std::vector<double> x, y;
-  std::array<std::vector<float>, 4> residual;
-  /// Residual times control point for each of the three functions.
-  std::array<std::vector<double>, 3> q;
-  /// Scratch: the quantities whose moments are taken.
-  std::array<std::vector<double>, 8> out;
+/// Adds how the sum changes when everything moves, with the pixels left where they are: by a constant, by x
+/// and by y times a small step along either axis, which are the components of each vector.
+void add_affine(const Shape& s, const ShapeGradient& g, std::array<Vec2, 3>& sum);
 
-  void clear() {
-    x.clear();
-    y.clear();
-    for (auto& r : residual) r.clear();
-  }
-
-  /// Fills up to a multiple of kLanes with pixels without a residual.
-  void pad() {
-    const std::size_t padded = (x.size() + kLanes - 1) / kLanes * kLanes;
-    x.resize(padded);
-    y.resize(padded);
-    for (auto& r : residual) r.resize(padded);
-    for (auto& v : q) v.assign(padded, 0.0);
-    for (auto& v : out) v.resize(padded);
-  }
-};
-
-/// Adds n pixels, a multiple of kLanes, at (x, y). @param q residual times control point, of each of the
-/// three functions. @param o room for n values each: eight quantities whose moments are taken.
-void add_pixels(const Shape& s, std::size_t n, const double* x, const double* y, const double* const* q,
-                double* const* o, ShapeMoments& moments);
+/// Adds the pixels of a tile. @param x, y of the pixels, relative to the origin of the shape. @param q
+/// residual times control point, of each of the three functions. @param offset of the origin of the shape
+/// from that of the gradient.
+void add_pixels(const Shape& s, const double* x, const double* y, const double* const* q, Vec2 offset,
+                ShapeGradient& gradient);
 
 }  // namespace knotreel::fit

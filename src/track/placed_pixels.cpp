@@ -38,7 +38,7 @@ class DisplacementGrid {
       displaced.push_back(displacement[g] != Vec2{});
     }
     offsets_.resize(2 * std::size_t(width_) * std::size_t(height_));
-    fit::surface_at_pixels(fit::PixelValues(basis, width, height, {}, displaced), control, 2, offsets_);
+    spline::surface_at_pixels(spline::PixelValues(basis, width, height, {}, displaced), control, 2, offsets_);
   }
 
   bool zero(std::size_t pixel) const { return of(pixel) == Vec2{}; }

@@ -4,7 +4,8 @@
 #include <span>
 #include <vector>
 
-#include "knotreel/fit/pixel_values.h"
+#include "knotreel/fit/pixels.h"
+#include "knotreel/spline/basis.h"
 
 namespace knotreel::track {
 

@@ -4,10 +4,10 @@
 
 namespace knotreel::track {
 
-std::vector<float> residual_of(const image::Image& picture, const fit::PixelValues& values,
+std::vector<float> residual_of(const image::Image& picture, const spline::PixelValues& values,
                                std::span<const double> control) {
   std::vector<double> surface(picture.samples.size());
-  fit::surface_at_pixels(values, control, picture.channels, surface);
+  spline::surface_at_pixels(values, control, picture.channels, surface);
   std::vector<float> residual(surface.size());
   for (std::size_t i = 0; i < surface.size(); ++i) {
     residual[i] = static_cast<float>(static_cast<double>(picture.samples[i]) - surface[i]);

@@ -3,13 +3,13 @@
 #include <span>
 #include <vector>
 
-#include "knotreel/fit/pixel_values.h"
 #include "knotreel/image/image.h"
+#include "knotreel/spline/pixel_values.h"
 
 namespace knotreel::track {
 
 /// Picture minus surface, channels interleaved.
-std::vector<float> residual_of(const image::Image& picture, const fit::PixelValues& values,
+std::vector<float> residual_of(const image::Image& picture, const spline::PixelValues& values,
                                std::span<const double> control);
 
 struct Quality {

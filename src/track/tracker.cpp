@@ -161,6 +161,7 @@ class Tracker::Impl {
   }
 
   void start_group(const image::Image& picture) {
+    make_values();
     measure();
     group_psnr_ = report_->psnr;
     group_functions_ = space_->function_count();
@@ -177,6 +178,12 @@ class Tracker::Impl {
   void look_at(const image::Image& picture) {
     seen_ = place_pixels(*basis_, displacement_, picture);
     lap("places");
+  }
+
+  const spline::PixelValues& make_values() {
+    values_ = std::make_unique<const spline::PixelValues>(*basis_, seen_.picture.width, seen_.picture.height,
+                                                          seen_.places);
+    return *values_;
   }
 
   void measure() {
@@ -298,7 +305,7 @@ class Tracker::Impl {
 
   void fit(const image::Image& picture, const Motion& motion) {
     look_at(picture);
-    const fit::PixelValues values(*basis_, seen_.picture.width, seen_.picture.height, seen_.places);
+    const spline::PixelValues& values = make_values();
     lap("basis");
     const image::Image wanted = temporal_target(seen_.picture, frame_before_.residual, frame_before_.weights,
                                                 motion, options_.temporal_weight);
@@ -339,7 +346,7 @@ class Tracker::Impl {
     if (options_.settle) {
       if (urgent) settling_.wake();
       std::vector<Vec2> moves = settling_.moves(
-          next_mesh_, fit::knot_gradient(*basis_, seen_.view(), colours_, settling_.awake(next_mesh_)),
+          next_mesh_, fit::knot_gradient(*values_, seen_.view(), colours_, settling_.awake(next_mesh_)),
           std::accumulate(errors.begin(), errors.end(), 0.0));
       fit::limit_moves(*space_, options_.carry.min_distance, moves);
       for (std::size_t k = 0; k < moves.size(); ++k) {
@@ -433,8 +440,9 @@ class Tracker::Impl {
   std::shared_ptr<const spline::SplineSpace> space_;
   std::vector<Vec2> displacement_;
   PlacedPixels seen_;
-  fit::ColourFit colours_;                      ///< the residual is that of seen_
-  std::shared_ptr<const spline::Basis> basis_;  ///< of space_
+  fit::ColourFit colours_;                             ///< the residual is that of seen_
+  std::shared_ptr<const spline::Basis> basis_;         ///< of space_
+  std::unique_ptr<const spline::PixelValues> values_;  ///< of basis_ at the places of seen_
   KnotMesh next_mesh_;
   struct {
     std::shared_ptr<const spline::SplineSpace> space;

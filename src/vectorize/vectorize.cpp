@@ -420,7 +420,7 @@ class Run {
     displacement_.assign(surface_.space->geometry_count(), Vec2{});
     // Knots off the curves hardly change how well the geometry follows them.
     if (has_features() && curves_refined_) {
-      fit_geometry(fit::PixelValues(basis, picture_.width, picture_.height, places_));
+      fit_geometry(spline::PixelValues(basis, picture_.width, picture_.height, places_));
     }
     surface_.fit = fit::fit_colours(basis, steering_, options_.colour);
     full_fit_ = false;
@@ -433,7 +433,7 @@ class Run {
     lap("colours");
   }
 
-  void fit_geometry(const fit::PixelValues& values) {
+  void fit_geometry(const spline::PixelValues& values) {
     displacement_.assign(surface_.space->geometry_count(), Vec2{});
     if (!has_features()) return;
     displacement_ = fit::fit_geometry(values, places_, curves_, options_.geometry);
@@ -465,7 +465,7 @@ class Run {
     basis_ = std::make_shared<const spline::Basis>(surface_.space);
     const spline::Basis& basis = *basis_;
     if (has_features()) {
-      const fit::PixelValues values(basis, picture_.width, picture_.height, places_);
+      const spline::PixelValues values(basis, picture_.width, picture_.height, places_);
       lap("basis");
       fit_geometry(values);
       report_.geometry_folds = fit::unfold_geometry(basis, displacement_);

@@ -14,6 +14,8 @@ namespace knotreel::fit {
 namespace {
 
 using namespace knotreel::testing;
+using spline::PixelValues;
+using spline::surface_at_pixels;
 
 /// Pixels at their centres or displaced, all of weight 1 or not.
 struct Case {

@@ -13,6 +13,7 @@ namespace knotreel::fit {
 namespace {
 
 using namespace knotreel::testing;
+using spline::PixelValues;
 
 bool on_border(const spline::SplineSpace& space, Vec2 site) {
   return site.x <= 0 || site.y <= 0 || site.x >= space.mesh().width || site.y >= space.mesh().height;

@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "knotreel/fit/pixel_values.h"
 #include "knotreel/fit/pixels.h"
 #include "knotreel/spline/basis.h"
+#include "knotreel/spline/pixel_values.h"
 
 namespace knotreel::fit {
 
@@ -34,6 +34,7 @@ struct ColourFit {
 ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const ColourFitOptions& options = {});
 
 /// The same with the values of the basis functions at pixels.places, which may serve other fits too.
-ColourFit fit_colours(const PixelValues& values, const Pixels& pixels, const ColourFitOptions& options = {});
+ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
+                      const ColourFitOptions& options = {});
 
 }  // namespace knotreel::fit

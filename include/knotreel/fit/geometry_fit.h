@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "knotreel/fit/pixel_values.h"
+#include "knotreel/spline/pixel_values.h"
 
 namespace knotreel::fit {
 
@@ -28,7 +28,7 @@ struct GeometryFitOptions {
 /// @param values of the basis functions at `places`.
 /// @param places of the pixels, row-major; empty: the centres, and nothing is displaced.
 /// @return displacements of the control points from their Greville sites, by geometry group, in pixels.
-std::vector<Vec2> fit_geometry(const PixelValues& values, std::span<const Vec2> places,
+std::vector<Vec2> fit_geometry(const spline::PixelValues& values, std::span<const Vec2> places,
                                std::span<const CurvePoint> curves, const GeometryFitOptions& options = {});
 
 /// Distances between the points of the feature curves and the surface there, in pixels; their mean is the
@@ -59,7 +59,7 @@ struct PixelPlaces {
 /// their centres. @param values of the basis functions there. Fixed point iteration, which converges fast
 /// because the displacement is small and smooth, then Newton's method for pixels that need it. A pixel for
 /// which both fail keeps its start.
-PixelPlaces invert_geometry(const PixelValues& values, std::span<const Vec2> displacement,
+PixelPlaces invert_geometry(const spline::PixelValues& values, std::span<const Vec2> displacement,
                             std::span<const Vec2> start);
 
 }  // namespace knotreel::fit

@@ -22,4 +22,8 @@ namespace knotreel::fit {
 std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
                                 std::span<const std::uint8_t> wanted = {});
 
+/// The same with the values of the basis functions at pixels.places, all functions wanted.
+std::vector<Vec2> knot_gradient(const spline::PixelValues& values, const Pixels& pixels, const ColourFit& fit,
+                                std::span<const std::uint8_t> wanted = {});
+
 }  // namespace knotreel::fit

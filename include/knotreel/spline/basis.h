@@ -67,27 +67,6 @@ struct ScatteredValues {
   std::vector<BasisValue> values;
 };
 
-/// All basis functions on a grid of pixels, function by function: rows [row_begin[f], row_begin[f+1]) of
-/// `rows` are consecutive pixel rows; each holds the values of pixels [x_begin, x_end) from `offset` in
-/// `values`. Pixels outside are zero; inside, zeros are possible. Before the first row and after the last one
-/// there are kMargin zeros, so that blocks of pixels may be read that reach beyond a row.
-struct GridValues {
-  static constexpr std::size_t kMargin = 8;
-  struct Row {
-    std::int32_t y;
-    std::int32_t x_begin;
-    std::int32_t x_end;
-    std::size_t offset;
-  };
-  std::vector<std::size_t> row_begin;
-  std::vector<Row> rows;
-  std::vector<double> values;
-
-  std::span<const Row> rows_of(FunctionIndex f) const {
-    return std::span(rows).subspan(row_begin[f], row_begin[f + 1] - row_begin[f]);
-  }
-};
-
 /// Ready to evaluate one space at any points of the closed domain. Immutable and thread safe.
 /// Values agree with ReferenceBasis to 1e-10; they sum to 1 and are not negative, both up to rounding.
 class Basis {
@@ -108,20 +87,6 @@ class Basis {
 
   /// Many points at once, on all threads allowed; the result does not depend on their number.
   ScatteredValues evaluate(std::span<const Vec2> points) const;
-
-  /// All functions at the centres of columns x rows pixels that cover the domain. On all threads allowed; the
-  /// result does not depend on their number.
-  GridValues evaluate_grid(int columns, int rows) const;
-
-  /// The same for the pixel rows [row_begin, row_end) of that grid only; equal bits, for bounded memory.
-  GridValues evaluate_grid_rows(int columns, int rows, int row_begin, int row_end) const;
-
-  /// The same for pixels with places of their own: places[row * columns + column] is where that pixel lies in
-  /// the domain, on the side of a feature on which it is. Fast where that is the centre of the pixel.
-  /// @param places columns * rows points, or none: all at the centres.
-  /// @param wanted one per function: 0 leaves it without rows; or none: all. Time goes with those wanted.
-  GridValues evaluate_pixels(int columns, int rows, std::span<const Vec2> places, int row_begin, int row_end,
-                             std::span<const std::uint8_t> wanted = {}) const;
 
  private:
   std::shared_ptr<const SplineSpace> space_;

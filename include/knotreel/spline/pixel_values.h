@@ -1,0 +1,96 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+#include "knotreel/spline/basis.h"
+
+namespace knotreel::spline {
+
+/// All basis functions at all pixels of a picture, the matrix A of the least-squares problems, in tiles of
+/// 8x8 pixels. Values are made when they are asked for: that is quicker than to fetch them from memory again.
+/// Holds which pieces reach which tiles, about as many bytes as there are pixels. Immutable and thread safe.
+class PixelValues {
+ public:
+  static constexpr int kSide = 8;
+  static constexpr std::size_t kTilePixels = std::size_t{kSide} * kSide;
+
+  /// What points to other places must outlive this. The pixels cover the domain and need not be square.
+  /// @param places of the pixels in the domain, row-major, each on the side of a feature on which it is; or
+  ///               none: all at their centres.
+  /// @param wanted one per function: 0 counts as zero everywhere, and costs nothing; or none: all. Not kept.
+  /// @throws Error{kInvalidArgument} if sizes do not fit.
+  PixelValues(const Basis& basis, int width, int height, std::span<const Vec2> places,
+              std::span<const std::uint8_t> wanted = {});
+
+  const Basis& basis() const { return *basis_; }
+  int width() const { return width_; }
+  int height() const { return height_; }
+
+  /// A tile; those on the right and at the bottom have pixels beside the picture.
+  struct Tile {
+    int left;
+    int top;
+    int right;                                 ///< of its pixels in the picture
+    int bottom;                                ///< of its pixels in the picture
+    std::span<const FunctionIndex> functions;  ///< that may be non-zero somewhere in the tile, ascending
+  };
+  std::size_t tile_count() const { return tile_columns_ * tile_rows_; }
+  std::size_t tile_columns() const { return tile_columns_; }
+
+  /// Row-major.
+  Tile tile(std::size_t index) const;
+
+  /// Values of the functions of a tile at its pixels: function by function, kTilePixels each, row by row; at
+  /// pixels beside the picture zero. They agree with Basis::evaluate() to 1e-10.
+  /// @param values room for as many.
+  void evaluate(std::size_t tile, double* values) const;
+
+  /// Places of the pixels of a tile, relative to an origin; pixels beside the picture are where the nearest
+  /// one in the picture is.
+  /// @param x, y room for kTilePixels each.
+  void places(std::size_t tile, Vec2 origin, double* x, double* y) const;
+
+  /// The upper left corner of a tile, in the domain.
+  Vec2 corner(std::size_t tile) const;
+
+  static constexpr std::uint32_t kNoSlot = 0xffffffff;
+
+  /// A piece that may be non-zero in a tile.
+  struct Entry {
+    std::uint32_t piece;                 ///< index in PieceSet::pieces
+    std::array<std::uint32_t, 3> slots;  ///< of its functions among those of the tile; kNoSlot: not wanted
+  };
+
+  /// By piece, ascending.
+  std::span<const Entry> entries(std::size_t tile) const {
+    return std::span(entries_).subspan(entry_begin_[tile], entry_begin_[tile + 1] - entry_begin_[tile]);
+  }
+
+ private:
+  void list_entries(std::span<const std::uint8_t> wanted);
+  void name_functions(std::span<const std::uint8_t> wanted);
+
+  const Basis* basis_;
+  int width_;
+  int height_;
+  double cell_width_;
+  double cell_height_;
+  std::span<const Vec2> places_;
+  std::size_t tile_columns_;
+  std::size_t tile_rows_;
+  std::vector<std::size_t> entry_begin_;  ///< per tile, into entries_
+  std::vector<Entry> entries_;
+  std::vector<std::size_t> function_begin_;  ///< per tile, into functions_
+  std::vector<FunctionIndex> functions_;
+};
+
+/// For each pixel, sum over functions of value times control point.
+/// @param control function by function, `channels` numbers each, 1 to 4.
+/// @param out     row-major, channels interleaved.
+void surface_at_pixels(const PixelValues& values, std::span<const double> control, int channels,
+                       std::span<double> out);
+
+}  // namespace knotreel::spline

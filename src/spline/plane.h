@@ -1,0 +1,23 @@
+#pragma once
+
+#include "knotreel/spline/piece.h"
+
+namespace knotreel::spline {
+
+/// c + x (ux - ox) + y (uy - oy) with an origin o that many planes share: quicker than Affine where there are
+/// many points, and as precise near the origin.
+struct Plane {
+  double c = 0;
+  double x = 0;
+  double y = 0;
+};
+
+inline Plane operator-(const Plane& a, const Plane& b) {
+  return {a.c - b.c, a.x - b.x, a.y - b.y};
+}
+
+inline Plane plane_of(const Affine& a, Vec2 origin) {
+  return {a(origin), a.nx, a.ny};
+}
+
+}  // namespace knotreel::spline
