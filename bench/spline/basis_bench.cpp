@@ -43,7 +43,7 @@ void BM_EvaluateGrid(benchmark::State& state) {
     const PixelValues pixels(basis, 640, 360, {});
     std::vector<double> values;
     for (std::size_t t = 0; t < pixels.tile_count(); ++t) {
-      values.resize(pixels.tile(t).functions.size() * PixelValues::kTilePixels);
+      values.resize(pixels.functions(t).size() * PixelValues::kTilePixels);
       pixels.evaluate(t, values.data());
       benchmark::DoNotOptimize(values.data());
     }

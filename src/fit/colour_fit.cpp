@@ -31,29 +31,43 @@ Eigen::MatrixXd greville_colours(const spline::SplineSpace& space, const image::
   return prior;
 }
 
-/// Picture minus surface.
-void find_residual(const spline::PixelValues& values, const Pixels& pixels, ColourFit& fit) {
-  const image::Image& image = *pixels.image;
-  const std::size_t row_size = image.row_size();
-  std::vector<double> surface(image.samples.size());
-  spline::surface_at_pixels(values, fit.control, image.channels, surface);
-  fit.residual.resize(surface.size());
-  std::vector<double> row_sums(static_cast<std::size_t>(image.height), 0.0);
+double squared_error(std::span<const float> residual, const Pixels& pixels) {
+  const std::size_t row_size = pixels.image->row_size();
+  std::vector<double> row_sums(static_cast<std::size_t>(pixels.image->height), 0.0);
   parallel_for(row_sums.size(), [&](std::size_t y) {
     double sum = 0;
     for (std::size_t i = y * row_size; i < (y + 1) * row_size; ++i) {
-      const double d = static_cast<double>(image.samples[i]) - surface[i];
-      fit.residual[i] = static_cast<float>(d);
+      const auto d = static_cast<double>(residual[i]);
       sum += pixels.weights.empty()
                  ? d * d
-                 : d * d * static_cast<double>(pixels.weights[i / std::size_t(image.channels)]);
+                 : d * d * static_cast<double>(pixels.weights[i / std::size_t(pixels.image->channels)]);
     }
     row_sums[y] = sum;
   });
-  fit.squared_error = std::accumulate(row_sums.begin(), row_sums.end(), 0.0);
+  return std::accumulate(row_sums.begin(), row_sums.end(), 0.0);
 }
 
 }  // namespace
+
+std::vector<float> residual_at_pixels(const spline::PixelValues& values, const image::Image& image,
+                                      std::span<const double> control) {
+  constexpr std::size_t kPixels = spline::PixelValues::kTilePixels;
+  const auto channels = static_cast<std::size_t>(image.channels);
+  std::vector<float> residual(image.samples.size());
+  const auto add_tile = [&](std::size_t t, const spline::TileSurface& surface) {
+    const spline::PixelValues::Tile tile = values.tile(t);
+    for (int y = tile.top; y < tile.bottom; ++y) {
+      std::size_t i = (std::size_t(y) * std::size_t(image.width) + std::size_t(tile.left)) * channels;
+      const double* from = surface.data() + std::size_t(y - tile.top) * spline::PixelValues::kSide;
+      for (int x = tile.left; x < tile.right; ++x, ++from) {
+        for (std::size_t c = 0; c < channels; ++c, ++i)
+          residual[i] = static_cast<float>(static_cast<double>(image.samples[i]) - from[c * kPixels]);
+      }
+    }
+  };
+  spline::for_surface_tiles(values, control, image.channels, add_tile);
+  return residual;
+}
 
 ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const ColourFitOptions& options) {
   const spline::PixelValues values(basis, pixels.image->width, pixels.image->height, pixels.places);
@@ -85,7 +99,10 @@ ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
   fit.control.resize(static_cast<std::size_t>(control.size()));
   Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
       fit.control.data(), control.rows(), control.cols()) = control;
-  if (options.find_residual) find_residual(values, pixels, fit);
+  if (options.find_residual) {
+    fit.residual = residual_at_pixels(values, image, fit.control);
+    fit.squared_error = squared_error(fit.residual, pixels);
+  }
   return fit;
 }
 

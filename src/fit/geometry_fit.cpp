@@ -51,10 +51,11 @@ std::vector<std::uint8_t> active_functions(const PixelValues& values, std::span<
       }
     }
     if (!any) continue;
-    at.resize(tile.functions.size() * kPixels);
+    const auto functions = values.functions(t);
+    at.resize(functions.size() * kPixels);
     values.evaluate(t, at.data());
-    for (std::size_t f = 0; f < tile.functions.size(); ++f) {
-      std::uint8_t& active = group[space.geometry_of()[tile.functions[f]]];
+    for (std::size_t f = 0; f < functions.size(); ++f) {
+      std::uint8_t& active = group[space.geometry_of()[functions[f]]];
       for (std::size_t i = 0; i < kPixels && !active; ++i) active = displaced[i] && at[f * kPixels + i] != 0;
     }
   }

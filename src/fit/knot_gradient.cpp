@@ -130,21 +130,24 @@ class Derivatives {
 
   /// Adds the pixels of a tile to the gradients by the planes of all terms that have a movable knot.
   void add_tile(std::size_t tile, Band& band) const {
-    const spline::PixelValues::Tile at = values_.tile(tile);
-    const Vec2 corner = values_.corner(tile);
+    const auto entries = values_.entries(tile);
+    if (std::none_of(entries.begin(), entries.end(), [&](const auto& e) { return movable_[e.piece]; }))
+      return;
+    const std::span<const spline::FunctionIndex> functions = values_.functions(tile);
     std::array<double, kPixels> x;
     std::array<double, kPixels> y;
-    values_.places(tile, corner, x.data(), y.data());
+    values_.places(tile, x.data(), y.data());
     TileResidual residual;
-    read_residual(pixels_, fit_, at, residual);
+    read_residual(pixels_, fit_, values_.tile(tile), residual);
     const auto channels = static_cast<std::size_t>(pixels_.image->channels);
     thread_local std::vector<double> products;  // residual times control point of each function
-    products.resize((at.functions.size() + 1) * kPixels);
-    double* const zeros = products.data() + at.functions.size() * kPixels;
-    for (std::size_t f = 0; f < at.functions.size(); ++f)
-      project(residual, &fit_.control[at.functions[f] * channels], channels, &products[f * kPixels]);
-    std::fill_n(zeros, kPixels, 0.0);
-    for (const auto& entry : values_.entries(tile)) {
+    products.resize((functions.size() + 1) * kPixels);
+    for (std::size_t f = 0; f < functions.size(); ++f)
+      project(residual, &fit_.control[functions[f] * channels], channels, &products[f * kPixels]);
+    const double* const zeros = &products[functions.size() * kPixels];
+    std::fill_n(&products[functions.size() * kPixels], kPixels, 0.0);
+    const Vec2 corner = values_.corner(tile);
+    for (const auto& entry : entries) {
       if (!movable_[entry.piece]) continue;
       const Piece& piece = basis_.pieces().pieces[entry.piece];
       const std::span<const PieceTerm> terms = terms_of(piece);

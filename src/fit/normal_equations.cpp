@@ -43,14 +43,14 @@ class TileIndex {
 
   explicit TileIndex(const PixelValues& values) : begin_(values.basis().space().function_count() + 1, 0) {
     for (std::size_t t = 0; t < values.tile_count(); ++t) {
-      for (const FunctionIndex f : values.tile(t).functions) ++begin_[f + 1];
+      for (const FunctionIndex f : values.functions(t)) ++begin_[f + 1];
     }
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
     places_.resize(begin_.back());
     std::vector<std::size_t> end(begin_.begin(), begin_.end() - 1);
     for (std::size_t t = 0; t < values.tile_count(); ++t) {
       std::uint32_t number = 0;
-      for (const FunctionIndex f : values.tile(t).functions)
+      for (const FunctionIndex f : values.functions(t))
         places_[end[f]++] = {static_cast<std::uint32_t>(t), number++};
     }
   }
@@ -140,7 +140,7 @@ class TileSums {
   TileSums(const PixelValues& values, const image::Image& target, std::span<const float> weights)
       : product_begin_(values.tile_count() + 1, 0), right_begin_(values.tile_count() + 1, 0) {
     for (std::size_t t = 0; t < values.tile_count(); ++t) {
-      const std::size_t n = values.tile(t).functions.size();
+      const std::size_t n = values.functions(t).size();
       product_begin_[t + 1] = product_begin_[t] + n * (n + 1) / 2;
       right_begin_[t + 1] = right_begin_[t] + kChannels * padded(n);
     }
@@ -150,7 +150,7 @@ class TileSums {
     parallel_for((values.tile_count() + kTiles - 1) / kTiles, [&](std::size_t block) {
       Scratch scratch;
       for (std::size_t t = block * kTiles; t < std::min(values.tile_count(), (block + 1) * kTiles); ++t) {
-        if (!values.tile(t).functions.empty()) add(values, t, target, weights, scratch);
+        if (!values.functions(t).empty()) add(values, t, target, weights, scratch);
       }
     });
   }
@@ -173,18 +173,19 @@ class TileSums {
 
   void add(const PixelValues& all, std::size_t t, const image::Image& target, std::span<const float> weights,
            Scratch& scratch) {
-    const PixelValues::Tile tile = all.tile(t);
-    const std::size_t count = tile.functions.size();
+    const std::size_t count = all.functions(t).size();
     scratch.values.resize(padded(count) * kTilePixels);
     all.evaluate(t, scratch.values.data());
     std::fill(scratch.values.begin() + static_cast<std::ptrdiff_t>(count * kTilePixels), scratch.values.end(),
               0.0);
-    const TilePixels pixels = pixels_of(target, weights, tile);
+    const TilePixels pixels = pixels_of(target, weights, all.tile(t));
     const double* right = scratch.values.data();
     if (pixels.weighted) {
       scratch.weighted.resize(scratch.values.size());
-      for (std::size_t i = 0; i < scratch.values.size(); ++i)
-        scratch.weighted[i] = scratch.values[i] * pixels.weights[i % kTilePixels];
+      for (std::size_t f = 0; f < scratch.values.size(); f += kTilePixels) {
+        for (std::size_t i = 0; i < kTilePixels; ++i)
+          scratch.weighted[f + i] = scratch.values[f + i] * pixels.weights[i];
+      }
       right = scratch.weighted.data();
     }
     multiply(scratch.values.data(), right, count, products_.get() + product_begin_[t]);
@@ -214,25 +215,24 @@ struct Columns {
 /// Sums up columns of the matrix; one per thread.
 class ColumnSum {
  public:
-  explicit ColumnSum(std::size_t functions) : slot_(functions), seen_(functions, spline::kNoFunction) {}
+  explicit ColumnSum(std::size_t functions) : slots_(functions, {spline::kNoFunction, 0}) {}
 
   /// Appends the lower half of column f, ascending, zeros left out but for the diagonal.
   void add(FunctionIndex f, const PixelValues& values, const TileIndex& index, const TileSums& sums,
            Columns& columns) {
     column_.clear();
     column_.push_back({f, 0.0});
-    seen_[f] = f;
-    slot_[f] = 0;
+    slots_[f] = {f, 0};
     for (const TileIndex::Place place : index.places(f)) {
-      const auto functions = values.tile(place.tile).functions;
+      const auto functions = values.functions(place.tile);
       const double* products = sums.products(place, functions.size());
       for (const FunctionIndex g : functions.subspan(place.number)) {
-        if (seen_[g] != f) {
-          seen_[g] = f;
-          slot_[g] = static_cast<std::uint32_t>(column_.size());
+        Slot& slot = slots_[g];
+        if (slot.column != f) {
+          slot = {f, static_cast<std::uint32_t>(column_.size())};
           column_.push_back({g, 0.0});
         }
-        column_[slot_[g]].value += *products++;
+        column_[slot.at].value += *products++;
       }
     }
     std::erase_if(column_, [f](const Entry& e) { return e.value == 0 && e.row != f; });
@@ -242,8 +242,12 @@ class ColumnSum {
   }
 
  private:
-  std::vector<std::uint32_t> slot_;
-  std::vector<FunctionIndex> seen_;
+  /// Where a row is in the column.
+  struct Slot {
+    FunctionIndex column;  ///< for which this holds
+    std::uint32_t at;
+  };
+  std::vector<Slot> slots_;
   std::vector<Entry> column_;
 };
 

@@ -18,13 +18,15 @@ namespace {
 constexpr std::size_t kPixels = PixelValues::kTilePixels;
 constexpr std::size_t kPieces = 256;  // that are looked at by one call of a parallel loop
 
+constexpr Vec2 kSlack{1e-9, 1e-9};  // around boxes, for the rounding of places that go by the corner
+
 /// What holds the places of all pixels of a tile.
 struct Box {
   Vec2 low;
   Vec2 high;
 };
 
-/// The largest value of an affine function in a box; no value computed at a point of the box is larger.
+/// The largest value of an affine function in a box.
 double largest(const Affine& a, const Box& box) {
   return a({a.nx > 0 ? box.high.x : box.low.x, a.ny > 0 ? box.high.y : box.low.y});
 }
@@ -57,12 +59,12 @@ class Boxes {
         const std::size_t t = row * columns_ + column;
         std::array<double, kPixels> x;
         std::array<double, kPixels> y;
-        values.places(t, {}, x.data(), y.data());
+        values.places(t, x.data(), y.data());
         Box& box = boxes_[t];
         const auto [left, right] = std::minmax_element(x.begin(), x.end());
         const auto [top, bottom] = std::minmax_element(y.begin(), y.end());
-        box = {{*left, *top}, {*right, *bottom}};
-        const Vec2 corner{static_cast<double>(column) * tile_.x, static_cast<double>(row) * tile_.y};
+        const Vec2 corner = values.corner(t);
+        box = {corner + Vec2{*left, *top} - kSlack, corner + Vec2{*right, *bottom} + kSlack};
         reach[row] = std::max({reach[row], corner.x - box.low.x, corner.y - box.low.y,
                                box.high.x - corner.x - tile_.x, box.high.y - corner.y - tile_.y});
       }
@@ -239,6 +241,7 @@ PixelValues::PixelValues(const Basis& basis, int width, int height, std::span<co
     throw Error(ErrorKind::kInvalidArgument, "functions are wanted by one flag per function");
   cell_width_ = basis.space().mesh().width / width;
   cell_height_ = basis.space().mesh().height / height;
+  find_moved();
   list_entries(wanted);
   name_functions(wanted);
 }
@@ -246,9 +249,7 @@ PixelValues::PixelValues(const Basis& basis, int width, int height, std::span<co
 PixelValues::Tile PixelValues::tile(std::size_t index) const {
   const int left = static_cast<int>(index % tile_columns_) * kSide;
   const int top = static_cast<int>(index / tile_columns_) * kSide;
-  return {left, top, std::min(left + kSide, width_), std::min(top + kSide, height_),
-          std::span(functions_)
-              .subspan(function_begin_[index], function_begin_[index + 1] - function_begin_[index])};
+  return {left, top, std::min(left + kSide, width_), std::min(top + kSide, height_)};
 }
 
 Vec2 PixelValues::corner(std::size_t tile) const {
@@ -256,18 +257,43 @@ Vec2 PixelValues::corner(std::size_t tile) const {
           static_cast<double>(tile / tile_columns_) * kSide * cell_height_};
 }
 
-void PixelValues::places(std::size_t tile, Vec2 origin, double* x, double* y) const {
-  const int left = static_cast<int>(tile % tile_columns_) * kSide;
-  const int top = static_cast<int>(tile / tile_columns_) * kSide;
+void PixelValues::find_moved() {
+  moved_.assign(tile_count(), 0);
+  if (places_.empty()) return;
+  parallel_for(tile_rows_, [&](std::size_t row) {
+    for (std::size_t t = row * tile_columns_; t < (row + 1) * tile_columns_; ++t) {
+      const Tile tile = this->tile(t);
+      bool moved = false;
+      for (int y = tile.top; y < tile.bottom; ++y) {
+        const Vec2* p = places_.data() + static_cast<std::size_t>(y) * std::size_t(width_);
+        const double centre = (y + 0.5) * cell_height_;
+        for (int x = tile.left; x < tile.right; ++x)
+          moved = moved || p[x].x != (x + 0.5) * cell_width_ || p[x].y != centre;
+      }
+      moved_[t] = moved;
+    }
+  });
+}
+
+void PixelValues::places(std::size_t tile, double* x, double* y) const {
+  if (!moved_[tile]) {
+    for (int j = 0; j < kSide; ++j) {
+      for (int i = 0; i < kSide; ++i) {
+        *x++ = (i + 0.5) * cell_width_;
+        *y++ = (j + 0.5) * cell_height_;
+      }
+    }
+    return;
+  }
+  const Vec2 origin = corner(tile);
+  const Tile at = this->tile(tile);
   for (int j = 0; j < kSide; ++j) {
-    const int row = std::min(top + j, height_ - 1);
-    for (int i = 0; i < kSide; ++i, ++x, ++y) {
-      const int column = std::min(left + i, width_ - 1);
-      const Vec2 p = places_.empty() ? Vec2{(column + 0.5) * cell_width_, (row + 0.5) * cell_height_}
-                                     : places_[static_cast<std::size_t>(row) * std::size_t(width_) +
-                                               static_cast<std::size_t>(column)];
-      *x = p.x - origin.x;
-      *y = p.y - origin.y;
+    const Vec2* row =
+        places_.data() + static_cast<std::size_t>(std::min(at.top + j, at.bottom - 1)) * std::size_t(width_);
+    for (int i = 0; i < kSide; ++i) {
+      const Vec2 p = row[std::min(at.left + i, at.right - 1)];
+      *x++ = p.x - origin.x;
+      *y++ = p.y - origin.y;
     }
   }
 }
@@ -343,13 +369,13 @@ void PixelValues::name_functions(std::span<const std::uint8_t> wanted) {
 }
 
 void PixelValues::evaluate(std::size_t index, double* values) const {
-  const Tile tile = this->tile(index);
   const PieceSet& set = basis_->pieces();
+  const std::size_t count = functions(index).size();
   const Vec2 origin = corner(index);
   std::array<double, kPixels> x;
   std::array<double, kPixels> y;
-  places(index, origin, x.data(), y.data());
-  std::fill_n(values, tile.functions.size() * kPixels, 0.0);
+  places(index, x.data(), y.data());
+  std::fill_n(values, count * kPixels, 0.0);
   std::array<double, 3 * kPixels> nowhere;  // shares of functions that vanish or are not wanted
   nowhere.fill(0);
   for (const Entry& entry : entries(index)) {
@@ -368,8 +394,9 @@ void PixelValues::evaluate(std::size_t index, double* values) const {
       }
     }
   }
-  if (tile.right - tile.left == kSide && tile.bottom - tile.top == kSide) return;
-  for (std::size_t f = 0; f < tile.functions.size(); ++f) {
+  const Tile tile = this->tile(index);
+  if (tile.pixels() == kSide * kSide) return;
+  for (std::size_t f = 0; f < count; ++f) {
     for (int j = 0; j < kSide; ++j) {
       for (int i = 0; i < kSide; ++i) {
         if (tile.left + i >= width_ || tile.top + j >= height_)
@@ -379,26 +406,37 @@ void PixelValues::evaluate(std::size_t index, double* values) const {
   }
 }
 
+void for_surface_tiles(const PixelValues& values, std::span<const double> control, int channel_count,
+                       const std::function<void(std::size_t, const TileSurface&)>& visit) {
+  const auto channels = static_cast<std::size_t>(channel_count);
+  const std::size_t columns = values.tile_columns();
+  parallel_for(values.tile_count() / columns, [&](std::size_t row) {
+    std::vector<double> at;
+    TileSurface sums;
+    for (std::size_t t = row * columns; t < (row + 1) * columns; ++t) {
+      const std::span<const FunctionIndex> functions = values.functions(t);
+      sums.fill(0);
+      if (!functions.empty()) {
+        at.resize(functions.size() * kPixels);
+        values.evaluate(t, at.data());
+        add_functions(at.data(), functions, control.data(), channels, sums.data());
+      }
+      visit(t, sums);
+    }
+  });
+}
+
 void surface_at_pixels(const PixelValues& values, std::span<const double> control, int channel_count,
                        std::span<double> out) {
   const auto channels = static_cast<std::size_t>(channel_count);
   const auto width = static_cast<std::size_t>(values.width());
-  const std::size_t columns = values.tile_columns();
-  parallel_for(values.tile_count() / columns, [&](std::size_t row) {
-    std::vector<double> at;
-    std::array<double, 4 * kPixels> sums;
-    for (std::size_t t = row * columns; t < (row + 1) * columns; ++t) {
-      const PixelValues::Tile tile = values.tile(t);
-      at.resize(tile.functions.size() * kPixels);
-      values.evaluate(t, at.data());
-      sums.fill(0);
-      add_functions(at.data(), tile.functions, control.data(), channels, sums.data());
-      for (int y = tile.top; y < tile.bottom; ++y) {
-        double* to = out.data() + (static_cast<std::size_t>(y) * width + std::size_t(tile.left)) * channels;
-        const double* from = sums.data() + static_cast<std::size_t>(y - tile.top) * PixelValues::kSide;
-        for (int x = tile.left; x < tile.right; ++x, ++from) {
-          for (std::size_t c = 0; c < channels; ++c) *to++ = from[c * kPixels];
-        }
+  for_surface_tiles(values, control, channel_count, [&](std::size_t t, const TileSurface& surface) {
+    const PixelValues::Tile tile = values.tile(t);
+    for (int y = tile.top; y < tile.bottom; ++y) {
+      double* to = out.data() + (static_cast<std::size_t>(y) * width + std::size_t(tile.left)) * channels;
+      const double* from = surface.data() + static_cast<std::size_t>(y - tile.top) * PixelValues::kSide;
+      for (int x = tile.left; x < tile.right; ++x, ++from) {
+        for (std::size_t c = 0; c < channels; ++c) *to++ = from[c * kPixels];
       }
     }
   });

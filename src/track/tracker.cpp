@@ -23,7 +23,7 @@
 #include "track/foresee.h"
 #include "track/matching.h"
 #include "track/placed_pixels.h"
-#include "track/residual.h"
+#include "track/quality.h"
 #include "track/settle.h"
 #include "track/snap.h"
 #include "track/temporal_target.h"
@@ -166,6 +166,7 @@ class Tracker::Impl {
     group_psnr_ = report_->psnr;
     group_functions_ = space_->function_count();
     group_features_ = feature_length(space_->mesh());
+    vain_ = 0;
     since_births_ = 0;
     has_new_features_ = false;
     next_id_ = EditableMesh(space_->mesh()).next_id();
@@ -255,8 +256,9 @@ class Tracker::Impl {
     knots::optimise(mesh, *target_, local, knots::rings_around(mesh, fresh, 0));
   }
 
+  /// Each cold frame in vain makes the next one wait for a deeper fall.
   bool has_drifted() const {
-    return report_->mec > cold_.mec && report_->psnr < group_psnr_ - options_.drift;
+    return report_->mec > cold_.mec && report_->psnr < group_psnr_ - std::max(1, vain_) * options_.drift;
   }
 
   /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to try
@@ -267,6 +269,7 @@ class Tracker::Impl {
     const Quality quality = quality_of(cold->colours.residual, cold->placed.weights, picture.channels);
     if (quality.psnr > report_->psnr + options_.restart_gain) return cold;
     group_psnr_ = report_->psnr;
+    ++vain_;
     return nullptr;
   }
 
@@ -315,7 +318,7 @@ class Tracker::Impl {
     colour.find_residual = false;
     colours_ = fit::fit_colours(values, pixels, colour);
     hold_colours();
-    colours_.residual = residual_of(seen_.picture, values, colours_.control);
+    colours_.residual = fit::residual_at_pixels(values, seen_.picture, colours_.control);
     lap("colours");
   }
 
@@ -460,6 +463,7 @@ class Tracker::Impl {
   double last_mec_ = 0;
   std::size_t group_functions_ = 0;
   std::size_t most_functions_ = 0;
+  int vain_ = 0;                   ///< cold frames of this group that were no better
   double group_features_ = 0;      ///< length of the feature polylines at its start, pixels
   int since_births_ = 0;           ///< frames
   bool has_new_features_ = false;  ///< that were never bent to their edges

@@ -57,21 +57,22 @@ std::vector<Vec2> mixed_places(const mesh::KnotMesh& mesh, const Raster& raster)
 
 /// Pixel by pixel, all functions.
 std::vector<double> dense(const PixelValues& pixels) {
-  const std::size_t functions = pixels.basis().space().function_count();
+  const std::size_t count = pixels.basis().space().function_count();
   const auto width = static_cast<std::size_t>(pixels.width());
-  std::vector<double> out(width * static_cast<std::size_t>(pixels.height()) * functions);
+  std::vector<double> out(width * static_cast<std::size_t>(pixels.height()) * count);
   std::vector<double> values;
   for (std::size_t t = 0; t < pixels.tile_count(); ++t) {
     const PixelValues::Tile tile = pixels.tile(t);
-    values.assign(tile.functions.size() * PixelValues::kTilePixels, 1e9);
+    const auto functions = pixels.functions(t);
+    values.assign(functions.size() * PixelValues::kTilePixels, 1e9);
     pixels.evaluate(t, values.data());
-    for (std::size_t f = 0; f < tile.functions.size(); ++f) {
+    for (std::size_t f = 0; f < functions.size(); ++f) {
       for (std::size_t i = 0; i < PixelValues::kTilePixels; ++i) {
         const std::size_t x = std::size_t(tile.left) + i % PixelValues::kSide;
         const std::size_t y = std::size_t(tile.top) + i / PixelValues::kSide;
         const double value = values[f * PixelValues::kTilePixels + i];
         if (x < std::size_t(tile.right) && y < std::size_t(tile.bottom)) {
-          out[(y * width + x) * functions + tile.functions[f]] = value;
+          out[(y * width + x) * count + functions[f]] = value;
         } else {
           EXPECT_EQ(value, 0) << "beside the picture";
         }
@@ -136,7 +137,7 @@ TEST_P(Pixels, FunctionsThatAreNotWantedAreNowhere) {
     for (std::size_t i = 0; i < expected.size(); ++i) expected[i] = wanted[i % n] ? expected[i] : 0;
     EXPECT_EQ(dense(some), expected);
     for (std::size_t t = 0; t < some.tile_count(); ++t) {
-      for (const FunctionIndex f : some.tile(t).functions) EXPECT_TRUE(wanted[f]) << "function " << f;
+      for (const FunctionIndex f : some.functions(t)) EXPECT_TRUE(wanted[f]) << "function " << f;
     }
   }
 }

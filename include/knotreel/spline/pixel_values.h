@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -33,9 +34,9 @@ class PixelValues {
   struct Tile {
     int left;
     int top;
-    int right;                                 ///< of its pixels in the picture
-    int bottom;                                ///< of its pixels in the picture
-    std::span<const FunctionIndex> functions;  ///< that may be non-zero somewhere in the tile, ascending
+    int right;   ///< of its pixels in the picture
+    int bottom;  ///< of its pixels in the picture
+    int pixels() const { return (right - left) * (bottom - top); }
   };
   std::size_t tile_count() const { return tile_columns_ * tile_rows_; }
   std::size_t tile_columns() const { return tile_columns_; }
@@ -43,15 +44,20 @@ class PixelValues {
   /// Row-major.
   Tile tile(std::size_t index) const;
 
+  /// Functions that may be non-zero somewhere in a tile, ascending.
+  std::span<const FunctionIndex> functions(std::size_t tile) const {
+    return std::span(functions_)
+        .subspan(function_begin_[tile], function_begin_[tile + 1] - function_begin_[tile]);
+  }
+
   /// Values of the functions of a tile at its pixels: function by function, kTilePixels each, row by row; at
   /// pixels beside the picture zero. They agree with Basis::evaluate() to 1e-10.
   /// @param values room for as many.
   void evaluate(std::size_t tile, double* values) const;
 
-  /// Places of the pixels of a tile, relative to an origin; pixels beside the picture are where the nearest
-  /// one in the picture is.
+  /// Places of the pixels of a tile, relative to its corner; pixels beside the picture are somewhere near.
   /// @param x, y room for kTilePixels each.
-  void places(std::size_t tile, Vec2 origin, double* x, double* y) const;
+  void places(std::size_t tile, double* x, double* y) const;
 
   /// The upper left corner of a tile, in the domain.
   Vec2 corner(std::size_t tile) const;
@@ -70,6 +76,7 @@ class PixelValues {
   }
 
  private:
+  void find_moved();
   void list_entries(std::span<const std::uint8_t> wanted);
   void name_functions(std::span<const std::uint8_t> wanted);
 
@@ -81,15 +88,23 @@ class PixelValues {
   std::span<const Vec2> places_;
   std::size_t tile_columns_;
   std::size_t tile_rows_;
+  std::vector<std::uint8_t> moved_;       ///< per tile: whether some pixel is not at its centre
   std::vector<std::size_t> entry_begin_;  ///< per tile, into entries_
   std::vector<Entry> entries_;
   std::vector<std::size_t> function_begin_;  ///< per tile, into functions_
   std::vector<FunctionIndex> functions_;
 };
 
-/// For each pixel, sum over functions of value times control point.
+/// A surface at the pixels of a tile: channel by channel, kTilePixels each, row by row.
+using TileSurface = std::array<double, 4 * PixelValues::kTilePixels>;
+
+/// For each pixel, sum over functions of value times control point; calls visit(index of the tile, surface)
+/// for each tile, in any order, on all threads allowed.
 /// @param control function by function, `channels` numbers each, 1 to 4.
-/// @param out     row-major, channels interleaved.
+void for_surface_tiles(const PixelValues& values, std::span<const double> control, int channels,
+                       const std::function<void(std::size_t, const TileSurface&)>& visit);
+
+/// The same for the whole picture. @param out row-major, channels interleaved.
 void surface_at_pixels(const PixelValues& values, std::span<const double> control, int channels,
                        std::span<double> out);
 

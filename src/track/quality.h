@@ -1,16 +1,8 @@
 #pragma once
 
 #include <span>
-#include <vector>
-
-#include "knotreel/image/image.h"
-#include "knotreel/spline/pixel_values.h"
 
 namespace knotreel::track {
-
-/// Picture minus surface, channels interleaved.
-std::vector<float> residual_of(const image::Image& picture, const spline::PixelValues& values,
-                               std::span<const double> control);
 
 struct Quality {
   double mec = 0;

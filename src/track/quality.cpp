@@ -1,19 +1,8 @@
-#include "track/residual.h"
+#include "track/quality.h"
 
 #include <cmath>
 
 namespace knotreel::track {
-
-std::vector<float> residual_of(const image::Image& picture, const spline::PixelValues& values,
-                               std::span<const double> control) {
-  std::vector<double> surface(picture.samples.size());
-  spline::surface_at_pixels(values, control, picture.channels, surface);
-  std::vector<float> residual(surface.size());
-  for (std::size_t i = 0; i < surface.size(); ++i) {
-    residual[i] = static_cast<float>(static_cast<double>(picture.samples[i]) - surface[i]);
-  }
-  return residual;
-}
 
 Quality quality_of(std::span<const float> residual, std::span<const float> weights, int channel_count) {
   const auto channels = static_cast<std::size_t>(channel_count);
