@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <limits>
 #include <numeric>
 #include <string>
@@ -43,7 +44,11 @@ RowSums sum_row(std::span<const float> a, std::span<const float> b, int channels
   return sums;
 }
 
-/// One value per pixel, row-major.
+/// Columns side by side, for wide vectors.
+constexpr std::size_t kLanes = 8;
+using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+
+/// One value per pixel, row-major, and room behind for a vector.
 struct Plane {
   int width;
   int height;
@@ -53,7 +58,7 @@ struct Plane {
 };
 
 Plane luma(const Image& image) {
-  Plane plane{image.width, image.height, std::vector<double>(image.pixel_count())};
+  Plane plane{image.width, image.height, std::vector<double>(image.pixel_count() + kLanes)};
   const bool grey = image.colour_channels() == 1;
   parallel_for(std::size_t(image.height), [&](std::size_t y) {
     const auto row = image.row(int(y));
@@ -80,61 +85,57 @@ std::vector<double> window(int available) {
   return weights;
 }
 
-/// Weighted local sums of x, y, x^2, y^2 and xy, each along a row.
-constexpr std::size_t kMoments = 5;
+/// Weighted local sums of x, y, x^2 + y^2 and xy, each along a row: SSIM knows no more of the variances.
+constexpr std::size_t kMoments = 4;
 
 struct MomentRows {
-  explicit MomentRows(std::size_t width) : length(width), values(kMoments * width, 0.0) {}
+  /// With room for whole vectors from any column on.
+  explicit MomentRows(std::size_t width) : length(width + kLanes), values(kMoments * length, 0.0) {}
   double* operator[](std::size_t k) { return values.data() + k * length; }
 
   std::size_t length;
   std::vector<double> values;
 };
 
-/// Mean SSIM of one row of windows: the vertical sums of kMoments products first, then the horizontal ones.
+/// Mean SSIM of one row of windows: the vertical sums of the products first, then the horizontal ones.
 KNOTREEL_MULTIVERSION
 double ssim_row(const Plane& a, const Plane& b, int top, const std::vector<double>& vertical,
                 const std::vector<double>& horizontal) {
   const auto width = std::size_t(a.width);
   MomentRows columns(width);
-  double* sum_a = columns[0];
-  double* sum_b = columns[1];
-  double* sum_aa = columns[2];
-  double* sum_bb = columns[3];
-  double* sum_ab = columns[4];
-  for (std::size_t j = 0; j < vertical.size(); ++j) {
-    const double* p = a.row(top + int(j));
-    const double* q = b.row(top + int(j));
-    for (std::size_t x = 0; x < width; ++x) {
-      const double wp = vertical[j] * p[x];
-      const double wq = vertical[j] * q[x];
-      sum_a[x] += wp;
-      sum_b[x] += wq;
-      sum_aa[x] += wp * p[x];
-      sum_bb[x] += wq * q[x];
-      sum_ab[x] += wp * q[x];
+  for (std::size_t x = 0; x < width; x += kLanes) {
+    Lanes sums[kMoments] = {};
+    for (std::size_t j = 0; j < vertical.size(); ++j) {
+      Lanes p;
+      Lanes q;
+      std::memcpy(&p, a.row(top + int(j)) + x, sizeof p);
+      std::memcpy(&q, b.row(top + int(j)) + x, sizeof q);
+      const double weight = vertical[j];
+      sums[0] += weight * p;
+      sums[1] += weight * q;
+      sums[2] += weight * (p * p + q * q);
+      sums[3] += weight * (p * q);
     }
+    for (std::size_t k = 0; k < kMoments; ++k) std::memcpy(columns[k] + x, &sums[k], sizeof sums[k]);
   }
   const std::size_t windows = width - horizontal.size() + 1;
-  MomentRows m(windows);
-  for (std::size_t k = 0; k < kMoments; ++k) {
-    double* sums = m[k];
-    for (std::size_t i = 0; i < horizontal.size(); ++i) {
-      const double* from = columns[k] + i;
-      const double weight = horizontal[i];
-      for (std::size_t x = 0; x < windows; ++x) sums[x] += weight * from[x];
-    }
-  }
   constexpr double kC1 = (0.01 * 255) * (0.01 * 255);
   constexpr double kC2 = (0.03 * 255) * (0.03 * 255);
   double sum = 0;
-  for (std::size_t x = 0; x < windows; ++x) {
-    const double mean_a = m[0][x];
-    const double mean_b = m[1][x];
-    const double covariance = m[4][x] - mean_a * mean_b;
-    const double variances = (m[2][x] - mean_a * mean_a) + (m[3][x] - mean_b * mean_b);
-    sum += (2 * mean_a * mean_b + kC1) * (2 * covariance + kC2) /
-           ((mean_a * mean_a + mean_b * mean_b + kC1) * (variances + kC2));
+  for (std::size_t x = 0; x < windows; x += kLanes) {
+    Lanes m[kMoments] = {};
+    for (std::size_t i = 0; i < horizontal.size(); ++i) {
+      for (std::size_t k = 0; k < kMoments; ++k) {
+        Lanes from;
+        std::memcpy(&from, columns[k] + x + i, sizeof from);
+        m[k] += horizontal[i] * from;
+      }
+    }
+    const Lanes product = m[0] * m[1];
+    const Lanes squares = m[0] * m[0] + m[1] * m[1];
+    const Lanes ssim =
+        (2 * product + kC1) * (2 * (m[3] - product) + kC2) / ((squares + kC1) * (m[2] - squares + kC2));
+    for (std::size_t l = 0; l < std::min(kLanes, windows - x); ++l) sum += ssim[l];
   }
   return sum / double(windows);
 }
