@@ -13,7 +13,7 @@ Summary run_graph(const Job& job) {
   Node analyse(graph, flow::unlimited, isolated([&](Message& m) { stages.analyse(m); }));
   InOrder plan(graph, [&](Message& m) { stages.plan(m); });
   Node cold(graph, flow::unlimited, isolated([&](Message& m) { stages.cold(m); }));
-  InOrder model(graph, [&](Message& m) { stages.model(m); });
+  InOrderWithinStretches model(graph, [&](Message& m) { stages.model(m); });
   InOrder documents(graph, [&](Message& m) { stages.documents(m); });
   Node rasterize(graph, flow::unlimited, isolated([&](Message& m) { stages.rasterize(m); }));
   LastInOrder encode(graph, [&](Message& m) { stages.encode(m); });

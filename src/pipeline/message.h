@@ -9,6 +9,8 @@
 
 namespace knotreel::pipeline {
 
+struct Stretch;
+
 /// A frame on its way through the stages; each fills in its part.
 struct Message {
   std::uint64_t index = 0;
@@ -16,6 +18,7 @@ struct Message {
   std::shared_ptr<const image::Image> picture;
   std::shared_ptr<const image::Image> before;  ///< null for the first frame
   std::unique_ptr<track::Motion> motion;
+  std::shared_ptr<Stretch> stretch;        ///< that it belongs to; until it has a model
   bool starts_group = false;               ///< for certain or nearly so; drift is not foreseen
   std::shared_ptr<track::ColdFrame> cold;  ///< made ahead, if it starts a group
   document::FrameModel model;              ///< from the stage "documents" on: as stored

@@ -5,10 +5,11 @@
 #include <oneapi/tbb/task_arena.h>
 
 #include <cstddef>
+#include <tuple>
 #include <type_traits>
 
 #include "knotreel/base/happens_before.h"
-#include "pipeline/message.h"
+#include "pipeline/stretch.h"
 
 /// The kinds of nodes that the graphs are made of.
 namespace knotreel::pipeline {
@@ -69,6 +70,46 @@ class InOrderTo {
 
 using InOrder = InOrderTo<MessagePtr>;
 using LastInOrder = InOrderTo<flow::continue_msg>;
+
+/// A stage that takes the frames of each stretch one at a time, in order, and several stretches at once.
+/// Passes frames on in any order.
+class InOrderWithinStretches {
+ public:
+  template <class Body>
+  InOrderWithinStretches(flow::graph& graph, Body body)
+      : node_(graph, flow::unlimited,
+              [body = isolated(body)](const MessagePtr& m, Node::output_ports_type& ports) {
+                work(m, body, std::get<0>(ports));
+              }) {}
+
+  flow::receiver<MessagePtr>& in() { return node_; }
+  flow::sender<MessagePtr>& out() { return flow::output_port<0>(node_); }
+
+ private:
+  using Node = flow::multifunction_node<MessagePtr, std::tuple<MessagePtr>>;
+
+  /// Works on this frame and those that wait for it, unless somebody else will.
+  template <class Body, class Port>
+  static void work(const MessagePtr& message, const Body& body, Port& port) {
+    const std::shared_ptr<Stretch> stretch = message->stretch;
+    std::unique_lock lock(stretch->mutex);
+    stretch->waiting.emplace(message->index, message);
+    if (stretch->busy) return;
+    stretch->busy = true;
+    for (auto first = stretch->waiting.begin();
+         first != stretch->waiting.end() && first->first == stretch->next; first = stretch->waiting.begin()) {
+      const MessagePtr ready = std::move(first->second);
+      stretch->waiting.erase(first);
+      ++stretch->next;
+      lock.unlock();
+      port.try_put(body(ready));
+      lock.lock();
+    }
+    stretch->busy = false;
+  }
+
+  Node node_;
+};
 
 /// Takes frames as long as there are some.
 template <class Next>

@@ -36,8 +36,7 @@ Stages::Stages(const Job& job)
       output_(job.video, job.reader->info(), job.reader, job.on_frame),
       beside_(job),
       document_(job.document, info_),
-      groups_(job.tracking),
-      tracker_(job.cold, job.tracking) {
+      groups_(job.tracking) {
   make_folder(job.split_folder);
 }
 
@@ -69,7 +68,12 @@ void Stages::analyse(Message& message) {
 }
 
 void Stages::plan(Message& message) {
-  message.starts_group = groups_.next(message.motion.get()) != track::Start::kWarm;
+  const track::Start start = groups_.next(message.motion.get());
+  message.starts_group = start != track::Start::kWarm;
+  // Where the others start depends on what drifts.
+  if (start == track::Start::kFirst || start == track::Start::kCut)
+    stretch_ = std::make_shared<Stretch>(message.index, job_, start);
+  message.stretch = stretch_;
 }
 
 void Stages::cold(Message& message) {
@@ -83,8 +87,10 @@ void Stages::cold(Message& message) {
 void Stages::model(Message& message) {
   timed(failure_, "model", message, [&] {
     track::FrameReport report;
-    message.model = tracker_.next(*message.picture, message.motion.get(), &report, std::move(message.cold));
+    track::Tracker& tracker = message.stretch->tracker;
+    message.model = tracker.next(*message.picture, message.motion.get(), &report, std::move(message.cold));
     message.motion.reset();
+    message.stretch.reset();
     message.model.frame = message.index;
     message.model.pts = message.frame.pts;
     message.row.start = track::to_string(report.start);

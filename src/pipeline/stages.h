@@ -9,11 +9,13 @@
 #include "pipeline/failure.h"
 #include "pipeline/message.h"
 #include "pipeline/picture_output.h"
+#include "pipeline/stretch.h"
 
 namespace knotreel::pipeline {
 
-/// The stages of a Job. analyse(), cold() and rasterize() may work on several messages at once, each of the
-/// others on one at a time and in order. No stage but finish() throws: see FirstFailure.
+/// The stages of a Job. analyse(), cold() and rasterize() may work on several messages at once, model() on
+/// one of each stretch at a time and in order, each of the others on one at a time and in order. No stage but
+/// finish() throws: see FirstFailure.
 class Stages {
  public:
   /// Opens the outputs. @throws as they do.
@@ -22,7 +24,7 @@ class Stages {
   /// The next frame, with the picture before it; null at the end, after a stop, or after a failure.
   MessagePtr decode();
   void analyse(Message& message);
-  /// Foresees which frames start a group.
+  /// Foresees which frames start a group, and tells those apart that depend on each other.
   void plan(Message& message);
   /// Makes those from their pictures.
   void cold(Message& message);
@@ -43,7 +45,7 @@ class Stages {
   BesideOutput beside_;
   DocumentSink document_;
   track::GroupRule groups_;
-  track::Tracker tracker_;
+  std::shared_ptr<Stretch> stretch_;  ///< of the frame that was planned last
   FirstFailure failure_;
   std::shared_ptr<const image::Image> before_;
   std::uint64_t decoded_ = 0;

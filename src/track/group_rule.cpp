@@ -1,9 +1,16 @@
 #include "knotreel/track/group_rule.h"
 
+#include "knotreel/base/error.h"
+
 namespace knotreel::track {
 
+GroupRule::GroupRule(const TrackOptions& options, Start first) : options_(options), first_(first) {
+  if (options.keyframe_interval < 1)
+    throw Error(ErrorKind::kInvalidArgument, "a group has at least one frame");
+}
+
 Start GroupRule::start_of(const Motion* motion) const {
-  if (length_ == 0) return Start::kFirst;
+  if (length_ == 0) return first_;
   if (!options_.warm_start) return Start::kInterval;
   if (!motion || motion::is_cut(motion->change, {.threshold = options_.scene_threshold})) return Start::kCut;
   return length_ >= options_.keyframe_interval ? Start::kInterval : Start::kWarm;

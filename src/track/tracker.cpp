@@ -98,12 +98,8 @@ double share_alive(const KnotMesh& before, const KnotMesh& now) {
 
 class Tracker::Impl {
  public:
-  Impl(const vectorize::Options& cold, const TrackOptions& options)
-      : cold_(cold), options_(options), groups_(options), settling_(SettleOptions{}) {
-    if (options.keyframe_interval < 1) {
-      throw Error(ErrorKind::kInvalidArgument, "a group has at least one frame");
-    }
-  }
+  Impl(const vectorize::Options& cold, const TrackOptions& options, Start first)
+      : cold_(cold), options_(options), groups_(options, first), settling_(SettleOptions{}) {}
 
   document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport& report,
                             std::shared_ptr<ColdFrame> cold) {
@@ -111,8 +107,7 @@ class Tracker::Impl {
     report = {};
     clock_ = std::chrono::steady_clock::now();
     report.start = groups_.next(motion);
-    most_functions_ = cold_.max_control_points > 0 ? cold_.max_control_points
-                                                   : vectorize::default_control_points(picture.pixel_count());
+    most_functions_ = vectorize::most_control_points(cold_, picture.pixel_count());
     if (report.start == Start::kWarm && motion->repeated) {
       report.survival = 1;
       report.psnr = last_psnr_;
@@ -469,8 +464,8 @@ class Tracker::Impl {
   bool has_new_features_ = false;  ///< that were never bent to their edges
 };
 
-Tracker::Tracker(const vectorize::Options& cold, const TrackOptions& options)
-    : impl_(std::make_unique<Impl>(cold, options)) {}
+Tracker::Tracker(const vectorize::Options& cold, const TrackOptions& options, Start first)
+    : impl_(std::make_unique<Impl>(cold, options, first)) {}
 Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;

@@ -50,8 +50,7 @@ class Run {
   Run(const image::Image& picture, const Options& options, const Observer& observer)
       : picture_(picture), options_(options), observer_(observer) {
     progress_.picture = &picture_;
-    max_functions_ = options.max_control_points > 0 ? options.max_control_points
-                                                    : default_control_points(picture.pixel_count());
+    max_functions_ = most_control_points(options, picture.pixel_count());
   }
 
   Vectorization run() {

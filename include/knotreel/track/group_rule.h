@@ -8,7 +8,9 @@ namespace knotreel::track {
 /// when a group is full. What drifts is only known when it has been made.
 class GroupRule {
  public:
-  explicit GroupRule(const TrackOptions& options) : options_(options) {}
+  /// @param first what to say of the first frame.
+  /// @throws Error{kInvalidArgument} if a group is to have no frame.
+  explicit GroupRule(const TrackOptions& options, Start first = Start::kFirst);
 
   /// @param motion  as for Tracker::next(), frame by frame. @return never kDrift.
   Start next(const Motion* motion);
@@ -20,6 +22,7 @@ class GroupRule {
   Start start_of(const Motion* motion) const;
 
   TrackOptions options_;
+  Start first_;
   int length_ = 0;  ///< frames of the group so far; 0: there is none yet
 };
 

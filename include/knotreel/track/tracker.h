@@ -77,7 +77,9 @@ struct FrameReport {
 /// use from several threads. The result does not depend on the number of threads.
 class Tracker {
  public:
-  Tracker(const vectorize::Options& cold, const TrackOptions& options);
+  /// @param first why the first frame starts a group: a tracker may begin at a cut, since nothing of what was
+  ///              before has any influence from there on.
+  Tracker(const vectorize::Options& cold, const TrackOptions& options, Start first = Start::kFirst);
   ~Tracker();
   Tracker(Tracker&&) noexcept;
   Tracker& operator=(Tracker&&) noexcept;

@@ -56,6 +56,9 @@ struct Options {
 /// raw_accounting_bytes().
 std::size_t default_control_points(std::uint64_t pixels);
 
+/// Those that a model may have at most: what the options say, or as many as by default.
+std::size_t most_control_points(const Options& options, std::uint64_t pixels);
+
 /// The effort of a preset, all else as by default.
 Options preset_options(Preset preset);
 

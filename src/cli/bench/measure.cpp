@@ -1,7 +1,9 @@
 #include "cli/bench/measure.h"
 
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <vector>
 
 #include "cli/bench/child.h"
 
@@ -109,7 +111,11 @@ Json frames_json(const Json& stats, bool warm) {
   double count = 0;
   double seconds = 0;
   double before = 0;
-  for (const Json& row : stats["frames"]) {
+  // Models of different stretches may be ready in another order than that of the frames.
+  std::vector<Json> rows = stats["frames"];
+  const auto sooner = [](const Json& a, const Json& b) { return a["modelled"] < b["modelled"]; };
+  std::stable_sort(rows.begin(), rows.end(), sooner);
+  for (const Json& row : rows) {
     if ((row["start"] == "warm") == warm) {
       ++count;
       seconds += row["modelled"].get<double>() - before;
