@@ -57,7 +57,15 @@ void run(benchmark::State& state, const Work& work) {
 /// All basis functions at all pixels.
 void BM_PixelValues(benchmark::State& state) {
   run(state, [&](const Case& c) {
-    for (auto _ : state) benchmark::DoNotOptimize(c.values().width());
+    std::vector<double> at;
+    for (auto _ : state) {
+      const PixelValues values = c.values();
+      for (std::size_t t = 0; t < values.tile_count(); ++t) {
+        at.resize(values.functions(t).size() * PixelValues::kTilePixels);
+        values.evaluate(t, at.data());
+        benchmark::DoNotOptimize(at.data());
+      }
+    }
   });
 }
 

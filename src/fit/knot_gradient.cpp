@@ -20,8 +20,10 @@ using spline::Affine;
 using spline::Piece;
 using spline::PieceTerm;
 
-constexpr double kStep = 1e-5;        // pixels, for differences of coefficients
-constexpr std::size_t kTileRows = 4;  // of a band; each band has sums of its own for the terms that it meets
+constexpr double kStep = 1e-5;  // pixels, for differences of coefficients
+// Bands of tiles have sums of their own for the terms that they meet.
+constexpr std::size_t kLeastRows = 4;  // of tiles
+constexpr std::size_t kMostBands = 16;
 constexpr std::size_t kPixels = spline::PixelValues::kTilePixels;
 
 /// Two unit directions in which a knot may move; the second is unused for knots on a line.
@@ -181,6 +183,7 @@ class Derivatives {
     for (const PieceTerm& term : terms) shapes.push_back(shape_of(piece, term, origin));
 
     const Knots knots = knots_of(config);
+    if (knots.count == 0) return;
     std::array<Vec2, 5> changes{};
     for (std::size_t i = 3; i < knots.count; ++i) {
       const std::optional<Vec2> change = by_shifts(config, knots.index[i], shapes, gradients);
@@ -219,7 +222,7 @@ class Derivatives {
            std::any_of(config.inner.begin(), config.inner.begin() + basis_.space().degree() - 1, movable);
   }
 
-  /// The knots of a config, each once, the three of the largest triangle first.
+  /// The knots of a config, each once, the three of the largest triangle first; none if that is flat.
   struct Knots {
     std::array<KnotIndex, 5> index{};
     std::array<Vec2, 5> position{};
@@ -250,6 +253,7 @@ class Derivatives {
         }
       }
     }
+    if (largest == 0) return {};
     // Ascending, so no swap undoes one before.
     for (std::size_t i = 0; i < 3; ++i) {
       std::swap(knots.index[i], knots.index[first[i]]);
@@ -309,9 +313,10 @@ std::vector<Vec2> knot_gradient(const spline::PixelValues& values, const Pixels&
   const std::size_t configs = basis.space().configs().size();
   const std::size_t columns = values.tile_columns();
   const std::size_t rows = values.tile_count() / columns;
-  std::vector<Band> bands((rows + kTileRows - 1) / kTileRows, Band(configs));
+  const std::size_t band_rows = std::max(kLeastRows, (rows + kMostBands - 1) / kMostBands);
+  std::vector<Band> bands((rows + band_rows - 1) / band_rows, Band(configs));
   parallel_for(bands.size(), [&](std::size_t b) {
-    for (std::size_t t = b * kTileRows * columns; t < std::min(rows, (b + 1) * kTileRows) * columns; ++t)
+    for (std::size_t t = b * band_rows * columns; t < std::min(rows, (b + 1) * band_rows) * columns; ++t)
       derivatives.add_tile(t, bands[b]);
   });
   std::vector<ShapeGradient> by_term(basis.pieces().terms.size());
