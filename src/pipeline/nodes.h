@@ -91,6 +91,7 @@ class InOrderWithinStretches {
   /// Works on this frame and those that wait for it, unless somebody else will.
   template <class Body, class Port>
   static void work(const MessagePtr& message, const Body& body, Port& port) {
+    message->passed_on.acquire();
     const std::shared_ptr<Stretch> stretch = message->stretch;
     std::unique_lock lock(stretch->mutex);
     stretch->waiting.emplace(message->index, message);
