@@ -147,6 +147,7 @@ class Tracker::Impl {
     space_ = std::move(cold.space);
     displacement_ = std::move(cold.displacement);
     basis_ = std::move(cold.basis);
+    values_.reset();
     seen_ = std::move(cold.placed);
     colours_ = std::move(cold.colours);
     target_.reset();
@@ -156,7 +157,6 @@ class Tracker::Impl {
   }
 
   void start_group(const image::Image& picture) {
-    make_values();
     measure();
     group_psnr_ = report_->psnr;
     group_functions_ = space_->function_count();
@@ -172,13 +172,17 @@ class Tracker::Impl {
   }
 
   void look_at(const image::Image& picture) {
+    values_.reset();
     seen_ = place_pixels(*basis_, displacement_, picture);
     lap("places");
   }
 
-  const spline::PixelValues& make_values() {
-    values_ = std::make_unique<const spline::PixelValues>(*basis_, seen_.picture.width, seen_.picture.height,
-                                                          seen_.places);
+  /// Of the basis, at the places of what is seen; made when first asked for.
+  const spline::PixelValues& values() {
+    if (!values_) {
+      values_ = std::make_unique<const spline::PixelValues>(*basis_, seen_.picture.width,
+                                                            seen_.picture.height, seen_.places);
+    }
     return *values_;
   }
 
@@ -286,6 +290,7 @@ class Tracker::Impl {
     displacement_ = carried_displacement(*space_, displacement_, *space);
     drop_traces(displacement_);
     space_ = std::move(space);
+    values_.reset();
     basis_ = std::make_shared<const spline::Basis>(space_);
     lap("space");
   }
@@ -303,7 +308,7 @@ class Tracker::Impl {
 
   void fit(const image::Image& picture, const Motion& motion) {
     look_at(picture);
-    const spline::PixelValues& values = make_values();
+    const spline::PixelValues& values = this->values();
     lap("basis");
     const image::Image wanted = temporal_target(seen_.picture, frame_before_.residual, frame_before_.weights,
                                                 motion, options_.temporal_weight);
@@ -344,7 +349,7 @@ class Tracker::Impl {
     if (options_.settle) {
       if (urgent) settling_.wake();
       std::vector<Vec2> moves = settling_.moves(
-          next_mesh_, fit::knot_gradient(*values_, seen_.view(), colours_, settling_.awake(next_mesh_)),
+          next_mesh_, fit::knot_gradient(values(), seen_.view(), colours_, settling_.awake(next_mesh_)),
           std::accumulate(errors.begin(), errors.end(), 0.0));
       fit::limit_moves(*space_, options_.carry.min_distance, moves);
       for (std::size_t k = 0; k < moves.size(); ++k) {

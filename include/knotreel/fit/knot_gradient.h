@@ -11,9 +11,10 @@ namespace knotreel::fit {
 /// Gradient of the squared error of the best colour fit by the positions of the knots, in squared levels per
 /// pixel: by variable projection it is -2 r^T (dA/dt) c, with the control points c held (docs/algorithm.md,
 /// "descent on the true residual"). dA/dt is taken for each config of
-/// Gamma_{k-1} on its own: there the functions are piecewise products of linear ones, whose coefficients are
-/// differenced, so that one pass over the pixels serves all knots. Zero for knots of kind kVertex; for border
-/// and segment knots the component along their line.
+/// Gamma_{k-1} on its own: there the functions are piecewise products of linear ones, and one pass over the
+/// pixels sums up what their coefficients bring, for all knots; how these follow the knots is known of affine
+/// maps, and differenced for knots beyond the first three. Zero for knots of kind kVertex; for border and
+/// segment knots the component along their line.
 /// @param fit    of the same basis and pixels.
 /// @param wanted one per knot: 0 leaves its gradient zero, and configs without a wanted knot cost nothing; or
 ///               none: all knots. The others get the same bits either way.
