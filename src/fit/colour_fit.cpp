@@ -55,15 +55,13 @@ std::vector<float> residual_at_pixels(const spline::PixelValues& values, const i
   const auto channels = static_cast<std::size_t>(image.channels);
   std::vector<float> residual(image.samples.size());
   const auto add_tile = [&](std::size_t t, const spline::TileSurface& surface) {
-    const spline::PixelValues::Tile tile = values.tile(t);
-    for (int y = tile.top; y < tile.bottom; ++y) {
-      std::size_t i = (std::size_t(y) * std::size_t(image.width) + std::size_t(tile.left)) * channels;
-      const double* from = surface.data() + std::size_t(y - tile.top) * spline::PixelValues::kSide;
-      for (int x = tile.left; x < tile.right; ++x, ++from) {
-        for (std::size_t c = 0; c < channels; ++c, ++i)
-          residual[i] = static_cast<float>(static_cast<double>(image.samples[i]) - from[c * kPixels]);
+    values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
+      for (std::size_t c = 0; c < channels; ++c) {
+        const std::size_t i = pixel * channels + c;
+        residual[i] =
+            static_cast<float>(static_cast<double>(image.samples[i]) - surface[c * kPixels + place]);
       }
-    }
+    });
   };
   spline::for_surface_tiles(values, control, image.channels, add_tile);
   return residual;

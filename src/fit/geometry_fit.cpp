@@ -39,17 +39,12 @@ std::vector<std::uint8_t> active_functions(const PixelValues& values, std::span<
   std::vector<std::uint8_t> group(space.geometry_count(), 0);
   std::vector<double> at;
   for (std::size_t t = 0; t < values.tile_count(); ++t) {
-    const PixelValues::Tile tile = values.tile(t);
     std::array<std::uint8_t, kPixels> displaced{};
     bool any = false;
-    for (int y = tile.top; y < tile.bottom; ++y) {
-      for (int x = tile.left; x < tile.right; ++x) {
-        const std::size_t i = std::size_t(y) * std::size_t(values.width()) + std::size_t(x);
-        const bool moved = places[i] != centre(i, values.width());
-        displaced[std::size_t(y - tile.top) * PixelValues::kSide + std::size_t(x - tile.left)] = moved;
-        any = any || moved;
-      }
-    }
+    values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
+      displaced[place] = places[pixel] != centre(pixel, values.width());
+      any = any || displaced[place];
+    });
     if (!any) continue;
     const auto functions = values.functions(t);
     at.resize(functions.size() * kPixels);

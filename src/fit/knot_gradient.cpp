@@ -60,21 +60,15 @@ struct TileResidual {
   std::array<std::array<double, kPixels>, 4> channels;
 };
 
-void read_residual(const Pixels& pixels, const ColourFit& fit, const spline::PixelValues::Tile& tile,
-                   TileResidual& out) {
+void read_residual(const Pixels& pixels, const ColourFit& fit, const spline::PixelValues& values,
+                   std::size_t tile, TileResidual& out) {
   const auto channels = static_cast<std::size_t>(pixels.image->channels);
   for (std::size_t c = 0; c < channels; ++c) out.channels[c].fill(0);
-  for (int y = tile.top; y < tile.bottom; ++y) {
-    const std::size_t row = std::size_t(y) * std::size_t(pixels.image->width);
-    const std::size_t to = std::size_t(y - tile.top) * spline::PixelValues::kSide;
-    for (std::size_t x = std::size_t(tile.left); x < std::size_t(tile.right); ++x) {
-      const float weight = pixels.weights.empty() ? 1.0F : pixels.weights[row + x];
-      for (std::size_t c = 0; c < channels; ++c) {
-        out.channels[c][to + x - std::size_t(tile.left)] =
-            static_cast<double>(fit.residual[(row + x) * channels + c] * weight);
-      }
-    }
-  }
+  values.for_pixels(tile, [&](std::size_t pixel, std::size_t place) {
+    const float weight = pixels.weights.empty() ? 1.0F : pixels.weights[pixel];
+    for (std::size_t c = 0; c < channels; ++c)
+      out.channels[c][place] = static_cast<double>(fit.residual[pixel * channels + c] * weight);
+  });
 }
 
 /// q[i] = sum over channels of residual * control point, for the pixels of a tile.
@@ -140,7 +134,7 @@ class Derivatives {
     std::array<double, kPixels> y;
     values_.places(tile, x.data(), y.data());
     TileResidual residual;
-    read_residual(pixels_, fit_, values_.tile(tile), residual);
+    read_residual(pixels_, fit_, values_, tile, residual);
     const auto channels = static_cast<std::size_t>(pixels_.image->channels);
     thread_local std::vector<double> products;  // residual times control point of each function
     products.resize((functions.size() + 1) * kPixels);

@@ -72,20 +72,16 @@ struct TilePixels {
   std::array<double, kChannels * kTilePixels> samples{};  ///< channel by channel
 };
 
-TilePixels pixels_of(const image::Image& target, std::span<const float> weights,
-                     const PixelValues::Tile& tile) {
+TilePixels pixels_of(const image::Image& target, std::span<const float> weights, const PixelValues& values,
+                     std::size_t tile) {
   TilePixels pixels;
   const auto channels = static_cast<std::size_t>(target.channels);
-  for (int y = tile.top; y < tile.bottom; ++y) {
-    for (int x = tile.left; x < tile.right; ++x) {
-      const auto from = static_cast<std::size_t>(y) * std::size_t(target.width) + static_cast<std::size_t>(x);
-      const auto to = static_cast<std::size_t>((y - tile.top) * kTile + (x - tile.left));
-      pixels.weights[to] = weights.empty() ? 1 : static_cast<double>(weights[from]);
-      pixels.weighted = pixels.weighted || pixels.weights[to] != 1;
-      for (std::size_t c = 0; c < channels; ++c)
-        pixels.samples[c * kTilePixels + to] = static_cast<double>(target.samples[from * channels + c]);
-    }
-  }
+  values.for_pixels(tile, [&](std::size_t from, std::size_t to) {
+    pixels.weights[to] = weights.empty() ? 1 : static_cast<double>(weights[from]);
+    pixels.weighted = pixels.weighted || pixels.weights[to] != 1;
+    for (std::size_t c = 0; c < channels; ++c)
+      pixels.samples[c * kTilePixels + to] = static_cast<double>(target.samples[from * channels + c]);
+  });
   return pixels;
 }
 
@@ -178,7 +174,7 @@ class TileSums {
     all.evaluate(t, scratch.values.data());
     std::fill(scratch.values.begin() + static_cast<std::ptrdiff_t>(count * kTilePixels), scratch.values.end(),
               0.0);
-    const TilePixels pixels = pixels_of(target, weights, all.tile(t));
+    const TilePixels pixels = pixels_of(target, weights, all, t);
     const double* right = scratch.values.data();
     if (pixels.weighted) {
       scratch.weighted.resize(scratch.values.size());

@@ -429,16 +429,10 @@ void for_surface_tiles(const PixelValues& values, std::span<const double> contro
 void surface_at_pixels(const PixelValues& values, std::span<const double> control, int channel_count,
                        std::span<double> out) {
   const auto channels = static_cast<std::size_t>(channel_count);
-  const auto width = static_cast<std::size_t>(values.width());
   for_surface_tiles(values, control, channel_count, [&](std::size_t t, const TileSurface& surface) {
-    const PixelValues::Tile tile = values.tile(t);
-    for (int y = tile.top; y < tile.bottom; ++y) {
-      double* to = out.data() + (static_cast<std::size_t>(y) * width + std::size_t(tile.left)) * channels;
-      const double* from = surface.data() + static_cast<std::size_t>(y - tile.top) * PixelValues::kSide;
-      for (int x = tile.left; x < tile.right; ++x, ++from) {
-        for (std::size_t c = 0; c < channels; ++c) *to++ = from[c * kPixels];
-      }
-    }
+    values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
+      for (std::size_t c = 0; c < channels; ++c) out[pixel * channels + c] = surface[c * kPixels + place];
+    });
   });
 }
 

@@ -111,6 +111,23 @@ TEST_P(Pixels, ValuesAreThoseAtTheirPlaces) {
   }
 }
 
+TEST_P(Pixels, ValuesAtTheCentresAreThoseOfPoints) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 60)) {
+    SCOPED_TRACE(c.name);
+    const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
+    const Basis basis(space);
+    const Raster raster{static_cast<int>(c.mesh.width), static_cast<int>(c.mesh.height) / 2};
+    const std::size_t n = space->function_count();
+    std::vector<double> difference = dense(PixelValues(basis, raster.columns, raster.rows, {}));
+    std::vector<BasisValue> values;
+    for (std::size_t i = 0; i < raster.size(); ++i) {
+      basis.evaluate(raster.centre(c.mesh, i), values);
+      for (const BasisValue& v : values) difference[i * n + v.function] -= v.value;
+    }
+    for (const double d : difference) ASSERT_LE(std::abs(d), 1e-10) << c.to_text();
+  }
+}
+
 TEST_P(Pixels, PlacesAtTheCentresAreLikeNone) {
   for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 5)) {
     SCOPED_TRACE(c.name);

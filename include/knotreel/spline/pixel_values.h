@@ -44,6 +44,18 @@ class PixelValues {
   /// Row-major.
   Tile tile(std::size_t index) const;
 
+  /// Calls visit(pixel, place) for the pixels of a tile that are in the picture, row by row: their numbers
+  /// in the picture and in the tile.
+  template <class Visit>
+  void for_pixels(std::size_t index, Visit&& visit) const {
+    const Tile t = tile(index);
+    for (int y = t.top; y < t.bottom; ++y) {
+      std::size_t pixel = std::size_t(y) * std::size_t(width_) + std::size_t(t.left);
+      std::size_t place = std::size_t(y - t.top) * kSide;
+      for (int x = t.left; x < t.right; ++x) visit(pixel++, place++);
+    }
+  }
+
   /// Functions that may be non-zero somewhere in a tile, ascending.
   std::span<const FunctionIndex> functions(std::size_t tile) const {
     return std::span(functions_)
