@@ -20,6 +20,7 @@
 #include "track/carried_geometry.h"
 #include "track/carried_links.h"
 #include "track/cold_frame.h"
+#include "track/difficulty.h"
 #include "track/foresee.h"
 #include "track/matching.h"
 #include "track/placed_pixels.h"
@@ -158,7 +159,12 @@ class Tracker::Impl {
 
   void start_group(const image::Image& picture) {
     measure();
-    group_psnr_ = report_->psnr;
+    if (options_.warm_start) {
+      need_target(picture);
+      group_start_ = {report_->psnr, difficulty(*target_, cold_, most_functions_)};
+      lap("difficulty");
+    }
+    drift_from_ = report_->psnr;
     group_functions_ = space_->function_count();
     group_features_ = feature_length(space_->mesh());
     vain_ = 0;
@@ -169,6 +175,10 @@ class Tracker::Impl {
     last_psnr_ = report_->psnr;
     last_mec_ = report_->mec;
     prepare_next(picture, false);
+  }
+
+  void need_target(const image::Image& picture) {
+    if (!target_) target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
   }
 
   void look_at(const image::Image& picture) {
@@ -257,19 +267,30 @@ class Tracker::Impl {
 
   /// Each cold frame in vain makes the next one wait for a deeper fall.
   bool has_drifted() const {
-    return report_->mec > cold_.mec && report_->psnr < group_psnr_ - std::max(1, vain_) * options_.drift;
+    return report_->mec > cold_.mec && report_->psnr < drift_from_ - std::max(1, vain_) * options_.drift;
   }
 
-  /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to try
-  /// again soon.
+  /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to
+  /// look again soon.
   std::shared_ptr<ColdFrame> better_cold_frame(const image::Image& picture) {
+    drift_from_ = report_->psnr;
+    const double expected = expected_psnr();
+    lap("difficulty");
+    if (expected < report_->psnr + options_.restart_gain) return nullptr;
     std::shared_ptr<ColdFrame> cold = make_cold_frame(picture, cold_);
     lap("cold");
     const Quality quality = quality_of(cold->colours.residual, cold->placed.weights, picture.channels);
     if (quality.psnr > report_->psnr + options_.restart_gain) return cold;
-    group_psnr_ = report_->psnr;
     ++vain_;
     return nullptr;
+  }
+
+  /// Of a cold frame, about: that of the frame which the group began with, less what the picture has become
+  /// harder since.
+  double expected_psnr() const {
+    constexpr double kLeast = 1;  // squared levels, of the whole picture
+    const double now = difficulty(*target_, cold_, most_functions_);
+    return group_start_.psnr - 10 * std::log10((now + kLeast) / (group_start_.difficulty + kLeast));
   }
 
   /// The space over a mesh that comes from the one there is. How many functions knots bring changes with
@@ -391,7 +412,7 @@ class Tracker::Impl {
   /// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.
   void refill(const image::Image& picture, std::span<const float> errors, bool urgent, EditableMesh& mesh,
               const std::vector<KnotIndex>& born, double born_functions) {
-    if (!target_) target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
+    need_target(picture);
     const double functions = static_cast<double>(space_->function_count());
     const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
     const double missing = (static_cast<double>(group_functions_) - functions - born_functions) / per_knot;
@@ -458,7 +479,11 @@ class Tracker::Impl {
   std::unique_ptr<knots::Target> target_;
   std::uint32_t next_id_ = 0;
 
-  double group_psnr_ = 0;
+  struct {
+    double psnr = 0;
+    double difficulty = 0;
+  } group_start_;
+  double drift_from_ = 0;  ///< PSNR that a fall counts from
   double last_psnr_ = 0;
   double last_mec_ = 0;
   std::size_t group_functions_ = 0;

@@ -15,6 +15,7 @@
 #include "knotreel/mesh/triangulate.h"
 #include "knotreel/param/parametrized_image.h"
 #include "vectorize/feature_budget.h"
+#include "vectorize/first_knots.h"
 #include "vectorize/half_rows.h"
 #include "vectorize/initial_mesh.h"
 
@@ -27,8 +28,6 @@ using mesh::KnotIndex;
 
 // Share of the control points that the first round may use; the rest is for refinement.
 constexpr double kFirstShare = 0.8;
-// Piecewise linear functions need more knots for the same error than the splines over the same knots.
-constexpr double kLinearSlack = 1.3;
 
 class Timer {
  public:
@@ -303,21 +302,11 @@ class Run {
 
   // -- knots
 
-  std::size_t knots_for(double functions, const EditableMesh& mesh) const {
-    const double now = expected_functions(mesh, options_.degree);
-    const double per_knot = options_.degree == 1 ? 1.0 : options_.degree == 2 ? 2.56 : 4.1;
-    const double more = std::max(0.0, (functions - now) / per_knot);
-    return mesh.knot_count() + static_cast<std::size_t>(more);
-  }
-
   void place_knots() {
     mesh_ = std::make_unique<EditableMesh>(start_mesh_);
     const double share = options_.rounds > 1 ? kFirstShare : 1.0;
-    knots::PlaceOptions place;
-    place.max_knots = knots_for(share * static_cast<double>(max_functions_), *mesh_);
-    place.mec = options_.mec * kLinearSlack;
-    place.min_distance = options_.optimise.min_distance;
-    knots::insert_knots(*mesh_, *target_, place);
+    knots::insert_knots(*mesh_, *target_,
+                        first_knots(*mesh_, share * static_cast<double>(max_functions_), options_));
     lap("place");
     knots::optimise(*mesh_, *target_, options_.optimise);
     lap("optimise");

@@ -196,6 +196,38 @@ TEST(Tracker, CutsAndIntervalsStartGroups) {
   EXPECT_EQ(run.reports[3].start, Start::kCut);
 }
 
+/// A frame that comes out warm although a cold one was made.
+bool made_in_vain(const FrameReport& report) {
+  return report.start == Start::kWarm &&
+         std::ranges::any_of(report.milliseconds, [](const auto& part) { return part.first == "cold"; });
+}
+
+TEST(Tracker, APictureThatBecomesHarderIsNoReasonToStartAnew) {
+  std::vector<image::Image> pictures(8, image::make_image(96, 72, 3));
+  for (std::size_t t = 0; t < pictures.size(); ++t) {  // waves get higher
+    for (std::size_t i = 0; i < pictures[t].samples.size(); ++i) {
+      const double x = static_cast<double>(i / 3 % 96) - 1.3 * static_cast<double>(t);
+      const double y = static_cast<double>(i / 3 / 96) - 0.7 * static_cast<double>(t);
+      const double waves = std::sin(0.8 * x + 0.2 * y) * std::cos(0.7 * y) + std::sin(0.05 * x * y);
+      pictures[t].samples[i] = static_cast<float>(120 + 4 * (1 + double(t)) * waves);
+    }
+  }
+  const Tracked run = track(pictures, {.drift = 1}, 0);
+  EXPECT_LT(run.reports.back().psnr, run.reports.front().psnr - 3);
+  for (const FrameReport& report : run.reports) EXPECT_FALSE(made_in_vain(report));
+}
+
+TEST(Tracker, AModelThatHasBecomeTooSmallIsMadeAnew) {
+  std::vector<image::Image> pictures(8, scene(40, 36));
+  for (std::size_t t = 0; t < pictures.size(); ++t) {  // out of a grey that few knots are enough for
+    for (float& v : pictures[t].samples) v = 128 + (v - 128) * (0.02F + 0.14F * static_cast<float>(t));
+  }
+  const Tracked run = track(pictures, {.scene_threshold = 1, .drift = 1}, 1);
+  EXPECT_LT(run.reports.front().control_points, 100U);
+  EXPECT_GT(run.reports.back().control_points, 200U);
+  EXPECT_TRUE(std::ranges::any_of(run.reports, [](const auto& r) { return r.start == Start::kDrift; }));
+}
+
 TEST(Tracker, SameBitsForAnyNumberOfThreads) {
   const std::vector<image::Image> pictures = moving(4);
   const auto with = [&](int threads) {

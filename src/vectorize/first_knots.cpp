@@ -1,0 +1,23 @@
+#include "vectorize/first_knots.h"
+
+#include <algorithm>
+
+#include "vectorize/feature_budget.h"
+
+namespace knotreel::vectorize {
+namespace {
+
+// Piecewise linear functions need more knots for the same error than the splines over the same knots.
+constexpr double kLinearSlack = 1.3;
+
+}  // namespace
+
+knots::PlaceOptions first_knots(const mesh::EditableMesh& mesh, double functions, const Options& options) {
+  const double per_knot = options.degree == 1 ? 1.0 : options.degree == 2 ? 2.56 : 4.1;
+  const double more = std::max(0.0, (functions - expected_functions(mesh, options.degree)) / per_knot);
+  return {.max_knots = mesh.knot_count() + static_cast<std::size_t>(more),
+          .mec = options.mec * kLinearSlack,
+          .min_distance = options.optimise.min_distance};
+}
+
+}  // namespace knotreel::vectorize
