@@ -17,7 +17,10 @@ using mesh::FaceIndex;
 class FlippedErrors {
  public:
   FlippedErrors(const EditableMesh& mesh, const Target& target, double least_angle)
-      : mesh_(mesh), target_(target), least_angle_(least_angle), errors_(3 * mesh.face_slots(), kUnknown) {}
+      : mesh_(mesh),
+        target_(target),
+        least_sine_(sine_of_degrees(least_angle)),
+        errors_(3 * mesh.face_slots(), kUnknown) {}
 
   double at(EditableMesh::Edge e) {
     if (errors_[place(e)] < 0) find(e);
@@ -69,13 +72,13 @@ class FlippedErrors {
     const Vec2 q = mesh_.position(mesh_.face(m.face)[static_cast<std::size_t>(m.side)]);
     const std::array<Vec2, 3> first{t[side], t[(side + 1) % 3], q};
     const std::array<Vec2, 3> second{t[side], q, t[(side + 2) % 3]};
-    if (is_sliver(first, least_angle_) || is_sliver(second, least_angle_)) return kImpossible;
+    if (is_sliver(first, least_sine_) || is_sliver(second, least_sine_)) return kImpossible;
     return target_.error(first) + target_.error(second);
   }
 
   const EditableMesh& mesh_;
   const Target& target_;
-  double least_angle_;
+  double least_sine_;
   std::vector<double> errors_;
 };
 

@@ -31,8 +31,9 @@ double edge_integral(const Target& target, Vec2 a, Vec2 b, const LinearFit* left
   for (int i = 0; i < samples; ++i) {
     const double s = (i + 0.5) / samples;
     const Vec2 u = a + s * (b - a);
-    const double difference =
-        (left ? target.squared_error(*left, u) : 0.0) - (right ? target.squared_error(*right, u) : 0.0);
+    const std::array<double, 4> colour = target.colour(u);
+    const double difference = (left ? target.squared_error(*left, u, colour) : 0.0) -
+                              (right ? target.squared_error(*right, u, colour) : 0.0);
     sum += (1 - s) * difference;
   }
   return sum * length / samples;
@@ -193,6 +194,7 @@ void descend_positions(EditableMesh& mesh, const Target& target, const OptimiseO
 
 std::size_t remove_slivers(EditableMesh& mesh, const Target& target, const OptimiseOptions& options) {
   std::size_t removed = 0;
+  const double least_sine = sine_of_degrees(options.least_angle);
   std::vector<FaceIndex> ring;
   for (KnotIndex k = 0; k < mesh.knot_slots(); ++k) {
     if (!mesh.is_knot(k) || mesh.knot(k).kind != KnotKind::kFree) continue;
@@ -201,7 +203,7 @@ std::size_t remove_slivers(EditableMesh& mesh, const Target& target, const Optim
     for (const FaceIndex f : ring) {
       const auto t = mesh.triangle(f);
       // The knot to blame is the one at the largest angle.
-      bad = bad || (is_sliver(t, options.least_angle) && corner_of(mesh.face(f), k) == widest_corner(t));
+      bad = bad || (is_sliver(t, least_sine) && corner_of(mesh.face(f), k) == widest_corner(t));
     }
     if (!bad) continue;
     if (mesh.remove(k)) ++removed;

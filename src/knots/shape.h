@@ -22,14 +22,17 @@ inline std::size_t widest_corner(const std::array<Vec2, 3>& t) {
   return static_cast<std::size_t>(std::max_element(opposite.begin(), opposite.end()) - opposite.begin());
 }
 
-/// Whether an angle is smaller than `least_angle` degrees; if one is larger than 180 - least_angle, another
-/// one is smaller too.
-inline bool is_sliver(const std::array<Vec2, 3>& t, double least_angle) {
+inline double sine_of_degrees(double angle) {
+  return std::sin(angle * std::numbers::pi / 180);
+}
+
+/// Whether an angle is smaller than one of this sine; if an angle is larger than 180 degrees less that,
+/// another one is smaller too.
+inline bool is_sliver(const std::array<Vec2, 3>& t, double least_sine) {
   const double a = norm(t[2] - t[1]);
   const double b = norm(t[0] - t[2]);
   const double c = norm(t[1] - t[0]);
-  const double sine = std::sin(least_angle * std::numbers::pi / 180);
-  return 2 * signed_area(t[0], t[1], t[2]) < sine * std::max({a * b, b * c, c * a});
+  return 2 * signed_area(t[0], t[1], t[2]) < least_sine * std::max({a * b, b * c, c * a});
 }
 
 }  // namespace knotreel::knots

@@ -58,8 +58,18 @@ class Target {
   /// Only its error.
   double error(const std::array<Vec2, 3>& triangle) const;
 
-  /// Squared colour error of a linear approximation at a point, the picture interpolated between pixels.
-  double squared_error(const LinearFit& fit, Vec2 u) const;
+  /// The picture at a point, interpolated between pixels.
+  std::array<double, 4> colour(Vec2 u) const;
+
+  /// Squared error of a linear approximation at a point where the picture has this colour.
+  double squared_error(const LinearFit& fit, Vec2 u, const std::array<double, 4>& colour) const {
+    double sum = 0;
+    for (std::size_t c = 0; c < static_cast<std::size_t>(image_.channels); ++c) {
+      const double d = colour[c] - fit.at(u, c);
+      sum += d * d;
+    }
+    return sum;
+  }
 
   /// Calls visit(x, y) for all pixels whose centres lie in the triangle, as in moments().
   template <class Visit>
