@@ -132,16 +132,21 @@ template <bool Walls, bool Factor>
   Lanes cx[kPlanes];
   Lanes cy[kPlanes];
   for (std::size_t k = 0; k < kPlanes; ++k) {
-    c[k] = cx[k] = cy[k] = Lanes{};
+    Lanes sum{};
+    Lanes sum_x{};
+    Lanes sum_y{};
     for (std::size_t i = 0; used[k] && i < kPixels; i += kLanes) {
       Lanes o, ux, uy;
       std::memcpy(&o, quantities[k] + i, sizeof o);
       std::memcpy(&ux, x + i, sizeof ux);
       std::memcpy(&uy, y + i, sizeof uy);
-      c[k] += o;
-      cx[k] += o * ux;
-      cy[k] += o * uy;
+      sum += o;
+      sum_x += o * ux;
+      sum_y += o * uy;
     }
+    c[k] = sum;
+    cx[k] = sum_x;
+    cy[k] = sum_y;
   }
   Lanes one;
   Lanes by_x;

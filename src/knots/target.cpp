@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/multiversion.h"
+#include "base/prefetch.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 
@@ -41,10 +42,8 @@ template <std::size_t C>
       const double* row = prefix + static_cast<std::size_t>(first + i) * row_size;
       const Ends at{row + static_cast<std::size_t>(begin) * kStride,
                     row + static_cast<std::size_t>(end) * kStride};
-      for (const double* p : {at.p, at.q}) {
-        __builtin_prefetch(p);
-        __builtin_prefetch(p + kStride - 1);
-      }
+      prefetch(at.p, sizeof sum);
+      prefetch(at.q, sizeof sum);
       ends[static_cast<std::size_t>(i)] = at;
     }
     for (int i = 0; i < count; ++i) {
