@@ -143,8 +143,7 @@ class Derivatives {
     const double* const zeros = &products[functions.size() * kPixels];
     std::fill_n(&products[functions.size() * kPixels], kPixels, 0.0);
     const Vec2 corner = values_.corner(tile);
-    for (std::size_t i = 0; i < entries.size(); ++i) {
-      const auto& entry = entries[i];
+    for (const auto& entry : entries) {
       if (!movable_[entry.piece]) continue;
       const Piece& piece = basis_.pieces().pieces[entry.piece];
       const std::span<const PieceTerm> terms = terms_of(piece);

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "base/multiversion.h"
-#include "base/prefetch.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 
@@ -287,18 +286,10 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
   const std::size_t block_size =
       std::max<std::size_t>(64, functions / 64);  // each clears a list of all functions
   std::vector<Columns> columns((functions + block_size - 1) / block_size);
-  const auto prefetch_sums = [&](FunctionIndex f) {
-    for (const TileIndex::Place place : index.places(f)) {
-      const std::size_t count = values.functions(place.tile).size();
-      prefetch(sums.products(place, count), (count - place.number) * sizeof(double));
-      prefetch(sums.right(place), kChannels * sizeof(double));
-    }
-  };
   parallel_for(columns.size(), [&](std::size_t block) {
     ColumnSum column(functions);
     for (std::size_t i = block * block_size; i < std::min(functions, (block + 1) * block_size); ++i) {
       const auto f = static_cast<FunctionIndex>(i);
-      if (i + 1 < functions) prefetch_sums(f + 1);
       column.add(f, values, index, sums, columns[block]);
       for (const TileIndex::Place place : index.places(f)) {
         for (Eigen::Index c = 0; c < target.channels; ++c)

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 #include <optional>
 
@@ -47,11 +48,16 @@ class ErrorMap {
 
   /// Pixels above a squared error, without those of small clusters; ascending.
   std::vector<std::size_t> clustered(double threshold, std::size_t least_cluster) const {
-    std::vector<bool> open(size());
-    for (std::size_t i = 0; i < size(); ++i) open[i] = static_cast<double>(squared_[i]) > threshold;
+    std::vector<std::uint8_t> open(size());
+    std::vector<std::size_t> above;
+    for (std::size_t i = 0; i < size(); ++i) {
+      if (!(static_cast<double>(squared_[i]) > threshold)) continue;
+      open[i] = true;
+      above.push_back(i);
+    }
     std::vector<std::size_t> kept;
     std::vector<std::size_t> cluster;
-    for (std::size_t seed = 0; seed < size(); ++seed) {
+    for (const std::size_t seed : above) {
       if (!open[seed]) continue;
       cluster.assign(1, seed);
       open[seed] = false;

@@ -115,9 +115,11 @@ Target::Target(image::Image image, std::vector<float> weights)
   const auto channels = static_cast<std::size_t>(image_.channels);
   const auto width = static_cast<std::size_t>(image_.width);
   stride_ = kColour + 2 * channels;
-  prefix_.resize(static_cast<std::size_t>(image_.height) * (width + 1) * stride_);
+  prefix_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(image_.height) * (width + 1) *
+                                                     stride_);
   parallel_for(static_cast<std::size_t>(image_.height), [&](std::size_t y) {
-    double* at = prefix_.data() + y * (width + 1) * stride_;
+    double* at = prefix_.get() + y * (width + 1) * stride_;
+    std::fill_n(at, stride_, 0.0);
     const float* pixel = image_.row(static_cast<int>(y)).data();
     for (std::size_t x = 0; x < width; ++x, at += stride_, pixel += channels) {
       const double w = weights_.empty() ? 1.0 : static_cast<double>(weights_[y * width + x]);
@@ -140,7 +142,7 @@ Target::Target(image::Image image, std::vector<float> weights)
 
 Moments Target::moments(const std::array<Vec2, 3>& triangle) const {
   const TriangleRows rows(triangle, image_.width, image_.height);
-  return sum_triangle(rows, prefix_.data(), (static_cast<std::size_t>(image_.width) + 1) * stride_,
+  return sum_triangle(rows, prefix_.get(), (static_cast<std::size_t>(image_.width) + 1) * stride_,
                       image_.channels);
 }
 

@@ -6,7 +6,6 @@
 #include <numeric>
 
 #include "base/multiversion.h"
-#include "base/prefetch.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "spline/plane.h"
@@ -211,12 +210,6 @@ void add_one_by_one(const Piece& piece, const PieceTerm& term, Vec2 origin, cons
   }
 }
 
-/// Asks for the next pieces of a tile, which are all over the memory.
-void prefetch_pieces(const PieceSet& set, std::span<const PixelValues::Entry> next) {
-  if (next.size() > 1) prefetch(&set.pieces[next[1].piece], sizeof(Piece));
-  if (!next.empty()) prefetch(set.terms.data() + set.pieces[next[0].piece].term_begin, sizeof(PieceTerm));
-}
-
 /// sums[c][i] += value[i] * control[c] for the functions of a tile, whose values are one after the other.
 KNOTREEL_MULTIVERSION
 void add_functions(const double* values, std::span<const FunctionIndex> functions, const double* control,
@@ -385,10 +378,7 @@ void PixelValues::evaluate(std::size_t index, double* values) const {
   std::fill_n(values, count * kPixels, 0.0);
   std::array<double, 3 * kPixels> nowhere;  // shares of functions that vanish or are not wanted
   nowhere.fill(0);
-  const std::span<const Entry> all = entries(index);
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    prefetch_pieces(set, all.subspan(i + 1));
-    const Entry& entry = all[i];
+  for (const Entry& entry : entries(index)) {
     const Piece& piece = set.pieces[entry.piece];
     Shares out;
     for (std::size_t k = 0; k < 3; ++k) {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <vector>
 
+#include "knotreel/base/parallel.h"
+
 namespace knotreel::track {
 
 using mesh::EditableMesh;
@@ -20,11 +22,11 @@ struct Candidate {
 std::vector<Candidate> by_cost(const EditableMesh& mesh, const knots::Target& target) {
   std::vector<double> errors(mesh.face_slots(), 0);
   std::vector<knots::Moments> moments(mesh.face_slots());
-  for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
-    if (!mesh.is_face(f)) continue;
-    moments[f] = target.moments(mesh.triangle(f));
+  parallel_for(mesh.face_slots(), [&](std::size_t f) {
+    if (!mesh.is_face(static_cast<FaceIndex>(f))) return;
+    moments[f] = target.moments(mesh.triangle(static_cast<FaceIndex>(f)));
     errors[f] = target.fit(moments[f]).error;
-  }
+  });
   std::vector<Candidate> candidates;
   std::vector<FaceIndex> ring;
   for (KnotIndex k = 0; k < mesh.knot_slots(); ++k) {
@@ -52,13 +54,15 @@ std::vector<double> sorted_face_errors(const EditableMesh& mesh, std::span<const
   for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
     if (!mesh.is_face(f)) continue;
     const knots::TriangleRows rows(mesh.triangle(f), width, height);
+    double sum = 0;
     for (int y = rows.first(); y < rows.last(); ++y) {
       int begin = 0;
       int end = 0;
       rows.columns(y, begin, end);
       const float* row = squared_errors.data() + std::size_t(y) * std::size_t(width);
-      for (int x = begin; x < end; ++x) sums[f] += static_cast<double>(row[x]);
+      for (int x = begin; x < end; ++x) sum += static_cast<double>(row[x]);
     }
+    sums[f] = sum;
   }
   std::sort(sums.rbegin(), sums.rend());
   return sums;

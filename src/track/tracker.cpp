@@ -436,11 +436,12 @@ class Tracker::Impl {
   std::vector<float> squared_errors() const {
     const auto channels = static_cast<std::size_t>(seen_.picture.channels);
     const std::vector<float>& residual = colours_.residual;
-    std::vector<float> squared(residual.size() / channels, 0);
+    std::vector<float> squared(residual.size() / channels);
     for (std::size_t i = 0; i < squared.size(); ++i) {
-      if (!seen_.weights.empty() && seen_.weights[i] < 1) continue;
+      float sum = 0;
       for (std::size_t c = 0; c < channels; ++c)
-        squared[i] += residual[i * channels + c] * residual[i * channels + c];
+        sum += residual[i * channels + c] * residual[i * channels + c];
+      squared[i] = seen_.weights.empty() || seen_.weights[i] >= 1 ? sum : 0;
     }
     return squared;
   }

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <memory>
 #include <vector>
 
 #include "knotreel/base/vec2.h"
@@ -83,7 +84,7 @@ class Target {
   image::Image image_;
   std::vector<float> weights_;
   std::size_t stride_ = 0;
-  std::vector<double> prefix_;
+  std::unique_ptr<double[]> prefix_;  ///< not a vector, which would be zeroed first
 };
 
 /// Rows of pixels of a triangle: for row y, columns [begin(y), end(y)).
