@@ -72,16 +72,20 @@ Flow find_flow(const image::Image& from, const image::Image& to, const FlowOptio
 
 FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& options) {
   check_sizes(from, to);
+  const bool exact =
+      options.effort == FlowOptions::Effort::kExact || options.effort == FlowOptions::Effort::kMedium;
+  const FlowOptions back = exact ? FlowOptions{FlowOptions::Effort::kUltrafast} : options;
   FlowPair pair;
   parallel_for(2, [&](std::size_t direction) {
     if (direction == 0) {
       pair.forward = find_flow(from, to, options);
     } else {
-      pair.backward = find_flow(to, from, options);
+      pair.backward = find_flow(to, from, back);
     }
   });
+  pair.consistent_back =
+      exact ? turn_round(pair.forward, pair.backward) : consistent(pair.backward, pair.forward);
   pair.consistent = consistent(pair.forward, pair.backward);
-  pair.consistent_back = consistent(pair.backward, pair.forward);
   return pair;
 }
 

@@ -141,5 +141,37 @@ TEST(Consistent, RejectsWhatAPatchCovers) {
   EXPECT_EQ(pair.consistent_back, consistent(pair.backward, pair.forward));
 }
 
+TEST(TurnRound, TakesTheExactWayWhereItIsFoundAgain) {
+  const Flow exact = constant_flow(20, 10, {-3, 0.5});
+  Flow rough = constant_flow(20, 10, {3.25, 0});
+  rough.xy[2 * 105] = 9;  // leads astray
+  const Flow before = rough;
+  const auto mask = turn_round(exact, rough);
+  EXPECT_EQ(mask, consistent(before, exact));
+  EXPECT_EQ(mask[105], 0);
+  EXPECT_EQ(mask[104], 1);
+  for (std::size_t i = 0; i < mask.size(); ++i) {
+    EXPECT_EQ(rough.xy[2 * i], mask[i] ? 3 : before.xy[2 * i]) << i;
+    EXPECT_EQ(rough.xy[2 * i + 1], mask[i] ? -0.5F : 0) << i;
+  }
+}
+
+TEST(FlowPair, TheWayBackIsAsExactAsTheWayThere) {
+  const Texture texture;
+  const auto grown = [&](double by) {
+    return draw(kWidth, kHeight, [&](Vec2 p) { return texture(by * (p - Vec2{96, 64})); });
+  };
+  const double growth = 1.05;
+  for (const Effort effort : {Effort::kExact, Effort::kMedium}) {
+    const FlowPair pair = find_flow_pair(luma_of(grown(1)), luma_of(grown(1 / growth)), {effort});
+    const auto true_back = [&](Vec2 p) { return (1 / growth - 1) * (p - Vec2{96, 64}); };
+    const Flow searched = find_flow(grown(1 / growth), grown(1), {effort});
+    EXPECT_LT(median_error(pair.backward, true_back), 1.1 * median_error(searched, true_back));
+    const Flow rough = find_flow(grown(1 / growth), grown(1), {Effort::kUltrafast});
+    EXPECT_LT(median_error(pair.backward, true_back), 0.8 * median_error(rough, true_back));
+    EXPECT_GT(share(pair.consistent_back), 0.85);
+  }
+}
+
 }  // namespace
 }  // namespace knotreel::motion

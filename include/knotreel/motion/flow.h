@@ -52,6 +52,13 @@ Flow find_flow(const image::Image& from, const image::Image& to, const FlowOptio
 std::vector<std::uint8_t> consistent(const Flow& forward, const Flow& backward, double least = 1.0,
                                      double share = 0.05);
 
+/// Makes a roughly known flow as exact as the one from the other picture: vectors that are found again become
+/// the opposite of the vector where they lead.
+/// @return which are found again: as consistent() of the rough flow, before.
+/// @throws Error{kInvalidArgument} if the sizes differ.
+/// All threads are used; the result does not depend on their number.
+std::vector<std::uint8_t> turn_round(const Flow& exact, Flow& rough);
+
 /// Flow there and back, and which pixels are found again.
 struct FlowPair {
   Flow forward;
@@ -60,7 +67,8 @@ struct FlowPair {
   std::vector<std::uint8_t> consistent_back;  ///< of the second one
 };
 
-/// All of it at once, in less than the time of its parts: both directions run at the same time.
+/// All of it at once, in less than the time of its parts: both directions run at the same time, and where the
+/// way there is exact (kExact, kMedium), the way back is searched with kUltrafast and turn_round().
 /// @throws as find_flow().
 FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& options = {});
 
