@@ -1,9 +1,7 @@
 #include "image_to_frame.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
-#include <functional>
 #include <vector>
 
 #include "colour_rules.h"
@@ -32,13 +30,6 @@ float luma(const Job& job, int x, int y) {
          job.weights.blue * job.image.at(x, y, 2);
 }
 
-/// Chroma of a pixel on the scale -127.5..127.5; which: 1 blue, 2 red.
-float chroma(const Job& job, int x, int y, int which) {
-  if (job.image.colour_channels() == 1) return 0;
-  const float weight = which == 1 ? job.weights.blue : job.weights.red;
-  return (job.image.at(x, y, which == 1 ? 2 : 0) - luma(job, x, y)) / (2 * (1 - weight));
-}
-
 /// Weights of the pixels first, first + 1, ... along one axis, for a chroma sample of a cell of pixels.
 struct Taps {
   int first = 0;
@@ -50,23 +41,18 @@ Taps taps(int cell, double place) {
   return {0, std::vector<float>(std::size_t(cell), 1.0F / float(cell))};
 }
 
-float chroma_sample(const Job& job, const Taps& across, const Taps& down, int x, int y, int which) {
-  float sum = 0;
-  for (std::size_t j = 0; j < down.weights.size(); ++j) {
-    const int row = std::clamp(y + down.first + int(j), 0, job.image.height - 1);
-    for (std::size_t i = 0; i < across.weights.size(); ++i) {
-      const int column = std::clamp(x + across.first + int(i), 0, job.image.width - 1);
-      sum += down.weights[j] * across.weights[i] * chroma(job, column, row, which);
-    }
-  }
-  return sum;
+/// Adds the chroma of a row of pixels, on the scale -127.5..127.5, times a weight. which: 1 blue, 2 red.
+void add_chroma(const Job& job, int row, int which, float weight, std::vector<float>& sums) {
+  const float to_chroma = weight / (2 * (1 - (which == 1 ? job.weights.blue : job.weights.red)));
+  for (int x = 0; x < job.image.width; ++x)
+    sums[std::size_t(x)] += to_chroma * (job.image.at(x, row, which == 1 ? 2 : 0) - luma(job, x, row));
 }
 
 std::uint32_t stored(const Job& job, int component, float value, float factor, float offset) {
   const int depth = job.format.comp[component].depth;
   const double most = double((std::int64_t{1} << depth) - 1);
   const double exact = double(value) * double(factor) + double(offset);
-  return std::uint32_t(std::clamp(std::floor(exact + 0.5), 0.0, most));
+  return std::uint32_t(std::clamp(exact + 0.5, 0.0, most));
 }
 
 void put_line(const Job& job, int component, int y, const std::vector<std::uint32_t>& line) {
@@ -74,10 +60,9 @@ void put_line(const Job& job, int component, int y, const std::vector<std::uint3
                        int(line.size()), 4);
 }
 
-using PixelValue = std::function<float(int x, int y)>;
-
-/// A component with a value for every pixel: all but chroma.
-void put_component(const Job& job, int component, bool limited, const PixelValue& value) {
+/// A component with a value(x, y) for every pixel: all but chroma.
+template <class Value>
+void put_component(const Job& job, int component, bool limited, const Value& value) {
   const int depth = job.format.comp[component].depth;
   const float step = limited ? float(1 << (depth - 8)) : float((std::int64_t{1} << depth) - 1) / 255.0F;
   const float factor = limited ? step * 219.0F / 255.0F : step;
@@ -99,10 +84,18 @@ void put_chroma(const Job& job, int component) {
   const Taps taps_across = taps(1 << across, job.place.x), taps_down = taps(1 << down, job.place.y);
   const int columns = AV_CEIL_RSHIFT(job.image.width, across), rows = AV_CEIL_RSHIFT(job.image.height, down);
   parallel_for(std::size_t(rows), [&](std::size_t row) {
+    std::vector<float> sums(std::size_t(job.image.width));  // over the rows of the cells
+    for (std::size_t t = 0; t < taps_down.weights.size() && job.image.colour_channels() == 3; ++t) {
+      const int from = (int(row) << down) + taps_down.first + int(t);
+      add_chroma(job, std::clamp(from, 0, job.image.height - 1), component, taps_down.weights[t], sums);
+    }
     std::vector<std::uint32_t> line(static_cast<std::size_t>(columns));
     for (int x = 0; x < columns; ++x) {
-      const float value =
-          chroma_sample(job, taps_across, taps_down, x << across, int(row) << down, component);
+      float value = 0;
+      for (std::size_t t = 0; t < taps_across.weights.size(); ++t) {
+        const int from = (x << across) + taps_across.first + int(t);
+        value += taps_across.weights[t] * sums[std::size_t(std::clamp(from, 0, job.image.width - 1))];
+      }
       line[std::size_t(x)] = stored(job, component, value, factor, 128 * step);
     }
     put_line(job, component, int(row), line);
