@@ -30,4 +30,8 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
   ended.acquire();
 }
 
+void parallel_invoke(const std::function<void()>& first, const std::function<void()>& second) {
+  parallel_for(2, [&](std::size_t i) { i == 0 ? first() : second(); });
+}
+
 }  // namespace knotreel

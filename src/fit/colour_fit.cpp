@@ -31,6 +31,15 @@ Eigen::MatrixXd greville_colours(const spline::SplineSpace& space, const image::
   return prior;
 }
 
+/// The identity, or onto the surfaces that are smooth at corners.
+Eigen::SparseMatrix<double> prolongation(const spline::SplineSpace& space, bool smooth_corners) {
+  if (smooth_corners) return spline::smooth_corner_prolongation(space, spline::SharedFunctions::kFree);
+  const auto n = static_cast<Eigen::Index>(space.function_count());
+  Eigen::SparseMatrix<double> identity(n, n);
+  identity.setIdentity();
+  return identity;
+}
+
 double squared_error(std::span<const float> residual, const Pixels& pixels) {
   const std::size_t row_size = pixels.image->row_size();
   std::vector<double> row_sums(static_cast<std::size_t>(pixels.image->height), 0.0);
@@ -79,19 +88,15 @@ ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
   if (!pixels.weights.empty() && pixels.weights.size() != image.pixel_count()) {
     throw Error(ErrorKind::kInvalidArgument, "a fit needs one weight per pixel");
   }
-  NormalEquations normal = assemble(values, image, pixels.weights);
+  NormalEquations normal;
+  Eigen::SparseMatrix<double> p;
+  parallel_invoke([&] { normal = assemble(values, image, pixels.weights); },
+                  [&] { p = prolongation(space, options.smooth_corners); });
   const double ridge = options.ridge * std::max(1.0, normal.matrix.diagonal().maxCoeff());
   for (Eigen::Index i = 0; i < normal.matrix.rows(); ++i) normal.matrix.coeffRef(i, i) += ridge;
 
-  // min |A c - b|^2 + ridge |c - prior|^2 over c = P z, with P the identity or the smooth surfaces.
+  // min |A c - b|^2 + ridge |c - prior|^2 over c = P z.
   const Eigen::MatrixXd right = normal.right + ridge * greville_colours(space, image);
-  Eigen::SparseMatrix<double> p;
-  if (options.smooth_corners) {
-    p = spline::smooth_corner_prolongation(space, spline::SharedFunctions::kFree);
-  } else {
-    p.resize(normal.matrix.rows(), normal.matrix.rows());
-    p.setIdentity();
-  }
   const Eigen::MatrixXd control = solve_reduced(normal.matrix, p, right);
   ColourFit fit;
   fit.control.resize(static_cast<std::size_t>(control.size()));

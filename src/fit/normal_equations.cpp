@@ -6,6 +6,7 @@
 #include <cstring>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <vector>
 
 #include "base/multiversion.h"
@@ -281,8 +282,9 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
   const std::size_t functions = values.basis().space().function_count();
   NormalEquations normal;
   normal.right.setZero(static_cast<Eigen::Index>(functions), target.channels);
-  const TileIndex index(values);
-  const TileSums sums(values, target, weights);
+  std::optional<TileIndex> index;
+  std::optional<TileSums> sums;
+  parallel_invoke([&] { index.emplace(values); }, [&] { sums.emplace(values, target, weights); });
   const std::size_t block_size =
       std::max<std::size_t>(64, functions / 64);  // each clears a list of all functions
   std::vector<Columns> columns((functions + block_size - 1) / block_size);
@@ -290,10 +292,10 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
     ColumnSum column(functions);
     for (std::size_t i = block * block_size; i < std::min(functions, (block + 1) * block_size); ++i) {
       const auto f = static_cast<FunctionIndex>(i);
-      column.add(f, values, index, sums, columns[block]);
-      for (const TileIndex::Place place : index.places(f)) {
+      column.add(f, values, *index, *sums, columns[block]);
+      for (const TileIndex::Place place : index->places(f)) {
         for (Eigen::Index c = 0; c < target.channels; ++c)
-          normal.right(static_cast<Eigen::Index>(f), c) += sums.right(place)[c];
+          normal.right(static_cast<Eigen::Index>(f), c) += sums->right(place)[c];
       }
     }
   });

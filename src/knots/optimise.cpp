@@ -136,7 +136,7 @@ void sweep(EditableMesh& mesh, const Target& target, const OptimiseOptions& opti
   const double share = options.alpha * std::exp2(-static_cast<double>(k) / (options.steps - k));
   for (const std::vector<KnotIndex>& knots : classes) {
     // No two of them are neighbours, so their moves do not touch each other's faces.
-    constexpr std::size_t kBlock = 32;
+    constexpr std::size_t kBlock = 8;
     parallel_for((knots.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
       for (std::size_t i = block * kBlock; i < std::min(knots.size(), (block + 1) * kBlock); ++i) {
         descend_knot(mesh, target, options, knots[i], share, fits);

@@ -1,10 +1,7 @@
 #include "track/foresee.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdint>
-#include <unordered_map>
 #include <utility>
 
 #include "knotreel/base/parallel.h"
@@ -18,45 +15,42 @@ using mesh::EditableMesh;
 using mesh::FaceIndex;
 using mesh::KnotIndex;
 
-using Name = std::array<std::uint32_t, 3>;
+using Ids = std::array<std::uint32_t, 3>;
 
-Name sorted(Name name) {
-  std::sort(name.begin(), name.end());
-  return name;
+Ids ascending(Ids ids) {
+  std::sort(ids.begin(), ids.end());
+  return ids;
 }
 
-struct HashName {
-  std::size_t operator()(const Name& n) const {
-    return (std::size_t{n[0]} * 0x9e3779b97f4a7c15ULL ^ n[1]) * 0x9e3779b97f4a7c15ULL ^ n[2];
-  }
-};
+}  // namespace
 
-using ErrorByName = std::unordered_map<Name, double, HashName>;
+std::size_t FaceErrors::Hash::operator()(const Ids& ids) const {
+  return (std::size_t{ids[0]} * 0x9e3779b97f4a7c15ULL ^ ids[1]) * 0x9e3779b97f4a7c15ULL ^ ids[2];
+}
 
-/// @param sum of all of them.
-ErrorByName errors_by_name(const mesh::KnotMesh& mesh, const knots::Target& target, double& sum) {
+FaceErrors::FaceErrors(const mesh::KnotMesh& mesh, const knots::Target& target) {
   std::vector<double> errors(mesh.faces.size());
   parallel_for(errors.size(), [&](std::size_t f) {
     const mesh::Face& v = mesh.faces[f];
     errors[f] =
         target.error({mesh.knots[v[0]].position, mesh.knots[v[1]].position, mesh.knots[v[2]].position});
   });
-  ErrorByName result;
-  result.reserve(errors.size());
+  by_ids_.reserve(errors.size());
   for (std::size_t f = 0; f < errors.size(); ++f) {
     const mesh::Face& v = mesh.faces[f];
     const auto id = [&](std::size_t i) { return static_cast<std::uint32_t>(mesh.knots[v[i]].id); };
-    sum += errors[f];
-    result.emplace(sorted({id(0), id(1), id(2)}), errors[f]);
+    sum_ += errors[f];
+    by_ids_.emplace(ascending({id(0), id(1), id(2)}), errors[f]);
   }
-  return result;
 }
 
-}  // namespace
+double FaceErrors::of(Ids ids) const {
+  const auto known = by_ids_.find(ascending(ids));
+  return known == by_ids_.end() ? 0 : known->second;
+}
 
-Foresight::Foresight(const EditableMesh& mesh, const knots::Target& target, const mesh::KnotMesh& before,
-                     const knots::Target& target_before) {
-  const ErrorByName known = errors_by_name(before, target_before, error_before_);
+Foresight::Foresight(const EditableMesh& mesh, const knots::Target& target, const FaceErrors& before)
+    : error_before_(before.sum()) {
   std::vector<double> errors(mesh.face_slots(), 0);
   parallel_for(errors.size(), [&](std::size_t f) {
     if (mesh.is_face(static_cast<FaceIndex>(f)))
@@ -68,8 +62,7 @@ Foresight::Foresight(const EditableMesh& mesh, const knots::Target& target, cons
     const mesh::Face& v = mesh.face(f);
     const auto id = [&](std::size_t i) { return static_cast<std::uint32_t>(mesh.knot(v[i]).id); };
     // A face that was not there before had no error.
-    const auto old = known.find(sorted({id(0), id(1), id(2)}));
-    const double grown = errors[f] - (old == known.end() ? 0 : old->second);
+    const double grown = errors[f] - before.of({id(0), id(1), id(2)});
     if (grown > 0) growths_.push_back({grown, f, v});
   }
   std::sort(growths_.begin(), growths_.end(), [](const Growth& a, const Growth& b) {

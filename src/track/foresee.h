@@ -1,6 +1,9 @@
 #pragma once
 
+#include <array>
 #include <cstddef>
+#include <cstdint>
+#include <unordered_map>
 #include <vector>
 
 #include "knotreel/knots/target.h"
@@ -8,14 +11,29 @@
 
 namespace knotreel::track {
 
+/// Errors of the best linear approximation of a picture over the faces of a mesh, by the ids of their knots.
+class FaceErrors {
+ public:
+  FaceErrors(const mesh::KnotMesh& mesh, const knots::Target& target);
+
+  double sum() const { return sum_; }
+  /// 0 if there is no such face.
+  double of(std::array<std::uint32_t, 3> ids) const;
+
+ private:
+  struct Hash {
+    std::size_t operator()(const std::array<std::uint32_t, 3>& ids) const;
+  };
+  std::unordered_map<std::array<std::uint32_t, 3>, double, Hash> by_ids_;  ///< ascending
+  double sum_ = 0;
+};
+
 /// What a new picture has that the one before had not, before anything is fitted: the faces whose best linear
 /// approximation has become worse.
 class Foresight {
  public:
-  /// @param mesh of the new picture. @param before, target_before the mesh that it comes from, and its
-  /// picture.
-  Foresight(const mesh::EditableMesh& mesh, const knots::Target& target, const mesh::KnotMesh& before,
-            const knots::Target& target_before);
+  /// @param mesh of the new picture. @param before of the mesh that it comes from, on its own picture.
+  Foresight(const mesh::EditableMesh& mesh, const knots::Target& target, const FaceErrors& before);
 
   /// How much worse all faces together have become, dB.
   double loss() const;

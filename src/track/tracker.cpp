@@ -5,9 +5,11 @@
 #include <cmath>
 #include <memory>
 #include <numeric>
+#include <optional>
 #include <unordered_set>
 
 #include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
 #include "knotreel/fit/descend.h"
 #include "knotreel/fit/knot_gradient.h"
 #include "knotreel/knots/refine.h"
@@ -205,32 +207,30 @@ class Tracker::Impl {
   // -- warm frames
 
   void make_warm(const image::Image& picture, const Motion& motion) {
-    const std::vector<Vec2> points = image_positions(*basis_, displacement_, next_mesh_);
-    std::vector<Vec2> moves = knot_motion(points, motion);
-    SnapResult snapped =
-        snap_to_edges(*basis_, displacement_, next_mesh_, moves, seen_.picture, *motion.before, *motion.now);
-    for (std::size_t k = 0; k < moves.size(); ++k) moves[k] = moves[k] + snapped.moves[k];
-    const std::vector<Vec2> targets = knot_targets(next_mesh_, moves);
-    KnotMesh carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->carry);
-    if (give_up_stuck(report_->carry, snapped.lost))
-      carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->carry);
-    lap("carry");
     const std::unique_ptr<knots::Target> target_before = std::move(target_);
-    target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
-    lap("target");
-    carried = refilled(carried, *target_before);
+    KnotMesh carried;
+    std::optional<LinkMemory> links;
+    std::optional<FaceErrors> errors_before;
+    parallel_invoke([&] { carried = carried_mesh(motion); },
+                    [&] {
+                      target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
+                      links.emplace(*space_);
+                      errors_before.emplace(space_->mesh(), *target_before);
+                    });
+    lap("carry");
+    carried = refilled(carried, *errors_before);
     lap("foresee");
     const KnotMesh before = space_->mesh();
     frame_before_ = {space_, colours_.control, std::move(colours_.residual), std::move(seen_.weights),
                      last_mec_};
-    take_over(carried);
+    take_over(carried, *links);
     bend_curves(*motion.now);
     fit(picture, motion);
     measure();
     for (int pass = 0; pass < options_.most_repairs && report_->psnr < last_psnr_ - options_.repair_below;
          ++pass) {
       prepare_next(picture, true);
-      take_over(next_mesh_);
+      take_over(next_mesh_, LinkMemory(*space_));
       fit(picture, motion);
       measure();
       ++report_->repairs;
@@ -238,11 +238,24 @@ class Tracker::Impl {
     report_->survival = share_alive(before, space_->mesh());
   }
 
+  /// Where the knots of the mesh prepared for this frame have gone.
+  KnotMesh carried_mesh(const Motion& motion) {
+    const std::vector<Vec2> points = image_positions(*basis_, displacement_, next_mesh_);
+    std::vector<Vec2> moves = knot_motion(points, motion);
+    SnapResult snapped =
+        snap_to_edges(*basis_, displacement_, next_mesh_, moves, seen_.picture, *motion.before, *motion.now);
+    for (std::size_t k = 0; k < moves.size(); ++k) moves[k] = moves[k] + snapped.moves[k];
+    const std::vector<Vec2> targets = knot_targets(next_mesh_, moves);
+    KnotMesh carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->carry);
+    if (!give_up_stuck(report_->carry, snapped.lost)) return carried;
+    return carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->carry);
+  }
+
   /// A carried mesh with knots for those that were lost on the way, where the picture asks for them; and for
   /// idle ones, if the frame would be much worse than the one before.
-  KnotMesh refilled(const KnotMesh& carried, const knots::Target& target_before) {
+  KnotMesh refilled(const KnotMesh& carried, const FaceErrors& errors_before) {
     EditableMesh mesh(carried, next_id_);
-    const Foresight foresight(mesh, *target_, space_->mesh(), target_before);
+    const Foresight foresight(mesh, *target_, errors_before);
     std::size_t count = next_mesh_.knots.size() - carried.knots.size();
     if (foresight.loss() > options_.swap_above) {
       const std::size_t idle = remove_idle_knots(mesh, *target_, foresight.growths(), options_.urgent_swap);
@@ -293,10 +306,9 @@ class Tracker::Impl {
     return group_start_.psnr - 10 * std::log10((now + kLeast) / (group_start_.difficulty + kLeast));
   }
 
-  /// The space over a mesh that comes from the one there is. How many functions knots bring changes with
-  /// their links: the idlest go until the bound on control points holds.
-  void take_over(const KnotMesh& mesh) {
-    const LinkMemory links(*space_);
+  /// The space over a mesh that comes from the one there is, whose links are given. How many functions knots
+  /// bring changes with their links: the idlest go until the bound on control points holds.
+  void take_over(const KnotMesh& mesh, const LinkMemory& links) {
     const auto over = [&](KnotMesh knots) {
       return std::make_shared<const spline::SplineSpace>(
           links.space_over(std::move(knots), cold_.degree, *target_));
@@ -308,11 +320,14 @@ class Tracker::Impl {
       if (remove_idle_knots(fewer, *target_, {}, {}, surplus) == 0) break;
       space = over(fewer.to_mesh());
     }
-    displacement_ = carried_displacement(*space_, displacement_, *space);
-    drop_traces(displacement_);
+    parallel_invoke(
+        [&] {
+          displacement_ = carried_displacement(*space_, displacement_, *space);
+          drop_traces(displacement_);
+        },
+        [&] { basis_ = std::make_shared<const spline::Basis>(space); });
     space_ = std::move(space);
     values_.reset();
-    basis_ = std::make_shared<const spline::Basis>(space_);
     lap("space");
   }
 
@@ -337,18 +352,20 @@ class Tracker::Impl {
     pixels.image = &wanted;
     fit::ColourFitOptions colour = cold_.colour;
     colour.find_residual = false;
-    colours_ = fit::fit_colours(values, pixels, colour);
-    hold_colours();
+    std::vector<std::uint32_t> match;
+    parallel_invoke([&] { colours_ = fit::fit_colours(values, pixels, colour); },
+                    [&] { match = match_functions(*frame_before_.space, *space_); });
+    hold_colours(match);
     colours_.residual = fit::residual_at_pixels(values, seen_.picture, colours_.control);
     lap("colours");
   }
 
   /// Control points whose colour hardly changes keep that of the frame before: less to store, less to
   /// flicker.
-  void hold_colours() {
+  /// @param match of the functions with those of the frame before.
+  void hold_colours(const std::vector<std::uint32_t>& match) {
     const double hold = std::min(options_.colour_hold, options_.hold_share * frame_before_.mec);
-    if (hold <= 0 || !frame_before_.space) return;
-    const std::vector<std::uint32_t> match = match_functions(*frame_before_.space, *space_);
+    if (hold <= 0) return;
     const std::size_t channels = colours_.control.size() / match.size();
     for (std::size_t f = 0; f < match.size(); ++f) {
       if (match[f] == kNoMatch) continue;

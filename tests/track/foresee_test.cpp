@@ -32,7 +32,7 @@ TEST(Foresee, KnotsComeWhereTheNewPictureIsHarder) {
   image::Image with_both = edge_at(20);
   const image::Image right = edge_at(70);
   for (std::size_t i = 0; i < with_both.samples.size(); ++i) with_both.samples[i] += 0.5F * right.samples[i];
-  const Foresight foresight(mesh, target_of(with_both), before, target_of(edge_at(20)));
+  const Foresight foresight(mesh, target_of(with_both), FaceErrors(before, target_of(edge_at(20))));
   EXPECT_GT(foresight.loss(), 0.5);
   EXPECT_TRUE(std::ranges::is_sorted(foresight.growths(), std::greater<>()));
   const auto fresh = foresight.insert(mesh, 8, 1.5);
@@ -49,11 +49,11 @@ TEST(Foresee, NothingComesWhereNothingIsNew) {
   const mesh::KnotMesh before = grid();
   mesh::EditableMesh mesh(before);
   const knots::Target same = target_of(edge_at(40));
-  const Foresight foresight(mesh, same, before, same);
+  const Foresight foresight(mesh, same, FaceErrors(before, same));
   EXPECT_EQ(foresight.loss(), 0);
   EXPECT_TRUE(foresight.growths().empty());
   EXPECT_TRUE(foresight.insert(mesh, 8, 1.5).empty());
-  EXPECT_TRUE(Foresight(mesh, target_of(edge_at(60)), before, same).insert(mesh, 0, 1.5).empty());
+  EXPECT_TRUE(Foresight(mesh, target_of(edge_at(60)), FaceErrors(before, same)).insert(mesh, 0, 1.5).empty());
   EXPECT_EQ(mesh.to_mesh().knots.size(), before.knots.size());
 }
 
@@ -67,7 +67,7 @@ TEST(Foresee, TheHoleOfALostKnotCountsAsNew) {
       });
   const Vec2 lost = nearest->position;
   ASSERT_TRUE(mesh.remove(static_cast<mesh::KnotIndex>(nearest - before.knots.begin())));
-  const auto fresh = Foresight(mesh, same, before, same).insert(mesh, 1, 1.5);
+  const auto fresh = Foresight(mesh, same, FaceErrors(before, same)).insert(mesh, 1, 1.5);
   ASSERT_EQ(fresh.size(), 1U);
   EXPECT_LT(norm(mesh.position(fresh[0]) - lost), 10);
 }
@@ -80,7 +80,7 @@ bool contains(const std::array<Vec2, 3>& t, Vec2 p) {
 TEST(Foresee, FacesThatAreGoneGetNoKnot) {
   const mesh::KnotMesh before = grid();
   mesh::EditableMesh mesh(before);
-  const Foresight foresight(mesh, target_of(edge_at(70)), before, target_of(edge_at(20)));
+  const Foresight foresight(mesh, target_of(edge_at(70)), FaceErrors(before, target_of(edge_at(20))));
   std::vector<mesh::Face> at_first(mesh.face_slots());
   for (mesh::FaceIndex f = 0; f < at_first.size(); ++f) at_first[f] = mesh.face(f);
   std::size_t removed = 0;

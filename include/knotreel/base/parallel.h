@@ -23,4 +23,8 @@ class ThreadCap {
 /// body cancel the loop and are rethrown here.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// Calls both, at the same time if threads are idle. Neither may write what the other reads. Exceptions are
+/// rethrown here.
+void parallel_invoke(const std::function<void()>& first, const std::function<void()>& second);
+
 }  // namespace knotreel
