@@ -426,10 +426,20 @@ class Tracker::Impl {
     return born;
   }
 
+  /// A group gets more control points while the error is above what is asked for and the bound leaves room:
+  /// the content has become harder. A cold frame would have used them.
+  void grow_group() {
+    if (report_->mec <= options_.grow_above * cold_.mec) return;
+    const auto grown =
+        static_cast<std::size_t>((1 + options_.growth) * static_cast<double>(group_functions_));
+    group_functions_ = std::max(group_functions_, std::min(grown, most_functions_));
+  }
+
   /// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.
   void refill(const image::Image& picture, std::span<const float> errors, bool urgent, EditableMesh& mesh,
               const std::vector<KnotIndex>& born, double born_functions) {
     need_target(picture);
+    grow_group();
     const double functions = static_cast<double>(space_->function_count());
     const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
     const double missing = (static_cast<double>(group_functions_) - functions - born_functions) / per_knot;

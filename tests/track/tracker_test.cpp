@@ -217,15 +217,34 @@ TEST(Tracker, APictureThatBecomesHarderIsNoReasonToStartAnew) {
   for (const FrameReport& report : run.reports) EXPECT_FALSE(made_in_vain(report));
 }
 
-TEST(Tracker, AModelThatHasBecomeTooSmallIsMadeAnew) {
+/// Out of a grey that few knots are enough for.
+std::vector<image::Image> fade_in() {
   std::vector<image::Image> pictures(8, scene(40, 36));
-  for (std::size_t t = 0; t < pictures.size(); ++t) {  // out of a grey that few knots are enough for
+  for (std::size_t t = 0; t < pictures.size(); ++t) {
     for (float& v : pictures[t].samples) v = 128 + (v - 128) * (0.02F + 0.14F * static_cast<float>(t));
   }
-  const Tracked run = track(pictures, {.scene_threshold = 1, .drift = 1}, 1);
+  return pictures;
+}
+
+TEST(Tracker, AModelThatHasBecomeTooSmallIsMadeAnew) {
+  const Tracked run = track(fade_in(), {.scene_threshold = 1, .drift = 1, .growth = 0}, 1);
   EXPECT_LT(run.reports.front().control_points, 100U);
   EXPECT_GT(run.reports.back().control_points, 200U);
   EXPECT_TRUE(std::ranges::any_of(run.reports, [](const auto& r) { return r.start == Start::kDrift; }));
+}
+
+TEST(Tracker, AGroupGrowsWithItsContentAndNoFurther) {
+  const TrackOptions options{.scene_threshold = 1, .drift = 100, .growth = 0.3};
+  std::vector<image::Image> pictures = fade_in();
+  const Tracked run = track(pictures, options, 1);
+  EXPECT_LT(run.reports.front().control_points, 100U);
+  EXPECT_GT(run.reports.back().control_points, 2 * run.reports.front().control_points);
+  const Tracked bounded = track(pictures, options, 0);
+  for (const FrameReport& report : bounded.reports) EXPECT_LE(report.control_points, 400U);
+  // What is good enough stays as it is.
+  const Tracked still = track(std::vector<image::Image>(6, scene(40, 36)), options, 8);
+  for (const FrameReport& report : still.reports)
+    EXPECT_EQ(report.control_points, still.reports[0].control_points);
 }
 
 TEST(Tracker, SameBitsForAnyNumberOfThreads) {

@@ -27,6 +27,8 @@ struct TrackOptions {
   /// the frame is made anew from its picture ...
   double drift = 1.5;
   double restart_gain = 1.0;      ///< ... and starts a group if that is better by so many dB
+  double grow_above = 1.1;        ///< times the MEC asked for: frames above it are followed by ones with ...
+  double growth = 0.05;           ///< ... this share more of control points, as long as the bound leaves room
   bool settle = true;             ///< whether knots go on descending on the true residual, a step per frame
   bool optimise_inserted = true;  ///< whether the mesh around new knots is optimised
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
