@@ -26,6 +26,20 @@ TEST(ParallelFor, AnExceptionOfABodyArrives) {
                Error);
 }
 
+TEST(ParallelInvoke, CallsBothAndTheirLoops) {
+  std::vector<int> a(100, 0);
+  std::vector<int> b(100, 0);
+  parallel_invoke([&] { parallel_for(a.size(), [&](std::size_t i) { a[i] += 1; }); },
+                  [&] { parallel_for(b.size(), [&](std::size_t i) { b[i] += 2; }); });
+  EXPECT_EQ(a, std::vector<int>(100, 1));
+  EXPECT_EQ(b, std::vector<int>(100, 2));
+}
+
+TEST(ParallelInvoke, AnExceptionArrives) {
+  EXPECT_THROW(parallel_invoke([] {}, [] { throw Error(ErrorKind::kInput, "second"); }), Error);
+  EXPECT_THROW(parallel_invoke([] { throw Error(ErrorKind::kInput, "first"); }, [] {}), Error);
+}
+
 TEST(ThreadCap, OneMeansTheCallingThread) {
   const ThreadCap cap(1);
   std::set<std::thread::id> threads;  // no lock: one thread
