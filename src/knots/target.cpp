@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/multiversion.h"
-#include "base/prefetch.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 
@@ -17,6 +16,18 @@ enum Slot : std::size_t { kW, kX, kXX, kSquares, kColour };
 
 /// Draws slopes that few pixels decide towards zero: this many pixels at distance one say that there is none.
 constexpr double kSlopeRidge = 1.0;
+
+/// Asks for memory that will be read soon: for places that no hardware could foresee.
+template <std::size_t Count>
+[[gnu::always_inline]] inline void prefetch(const double* p) {
+#if defined(__GNUC__)
+  constexpr std::size_t kLine = 64 / sizeof(double);
+  for (std::size_t i = 0; i < Count; i += kLine) __builtin_prefetch(p + i);
+  __builtin_prefetch(p + Count - 1);
+#else
+  (void)p;
+#endif
+}
 
 /// Sums of one triangle with C channels. Where its rows begin and end is found first: their sums are fetched
 /// from memory at the same time then, not one after the other.
@@ -42,8 +53,8 @@ template <std::size_t C>
       const double* row = prefix + static_cast<std::size_t>(first + i) * row_size;
       const Ends at{row + static_cast<std::size_t>(begin) * kStride,
                     row + static_cast<std::size_t>(end) * kStride};
-      prefetch(at.p, sizeof sum);
-      prefetch(at.q, sizeof sum);
+      prefetch<kStride>(at.p);
+      prefetch<kStride>(at.q);
       ends[static_cast<std::size_t>(i)] = at;
     }
     for (int i = 0; i < count; ++i) {

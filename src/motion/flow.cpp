@@ -10,8 +10,8 @@ namespace knotreel::motion {
 namespace {
 
 struct Tolerance {
-  float least = 1.0F;
-  float share = 0.05F;
+  float least = float(kLeastTolerance);
+  float share = float(kToleranceShare);
 };
 
 /// Whether a pixel whose centre is (x, y) comes back from where `way` leads it.

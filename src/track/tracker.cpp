@@ -52,6 +52,7 @@ const char* to_string(Start start) {
 namespace {
 
 constexpr double kLeastShare = 0.25;     // of what features may use, that a group without any may come to
+constexpr double kFunctionsOfKnot = 3;   // about: the least by which a group grows
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 
 using mesh::EditableMesh;
@@ -128,6 +129,7 @@ class Tracker::Impl {
       }
     }
     if (report.start != Start::kWarm) {
+      if (report.start != Start::kDrift) target_.reset();  // it is that of the frame before
       take_over(cold ? std::move(*cold) : std::move(*make_cold_frame(picture, cold_)));
       start_group(picture);
     }
@@ -153,7 +155,6 @@ class Tracker::Impl {
     values_.reset();
     seen_ = std::move(cold.placed);
     colours_ = std::move(cold.colours);
-    target_.reset();
     report_->milliseconds.insert(report_->milliseconds.end(), cold.milliseconds.begin(),
                                  cold.milliseconds.end());
     clock_ = std::chrono::steady_clock::now();
@@ -162,8 +163,8 @@ class Tracker::Impl {
   void start_group(const image::Image& picture) {
     measure();
     if (options_.warm_start) {
-      need_target(picture);
-      group_start_ = {report_->psnr, difficulty(*target_, cold_, most_functions_)};
+      if (!target_) make_target(picture);
+      group_start_ = {report_->psnr, difficulty_now()};
       lap("difficulty");
     }
     drift_from_ = report_->psnr;
@@ -179,8 +180,15 @@ class Tracker::Impl {
     prepare_next(picture, false);
   }
 
-  void need_target(const image::Image& picture) {
-    if (!target_) target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
+  void make_target(const image::Image& picture) {
+    target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
+    difficulty_.reset();
+  }
+
+  /// Of the picture of the target; found when first asked for.
+  double difficulty_now() {
+    if (!difficulty_) difficulty_ = difficulty(*target_, cold_, most_functions_);
+    return *difficulty_;
   }
 
   void look_at(const image::Image& picture) {
@@ -213,7 +221,7 @@ class Tracker::Impl {
     std::optional<FaceErrors> errors_before;
     parallel_invoke([&] { carried = carried_mesh(motion); },
                     [&] {
-                      target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
+                      make_target(picture);
                       links.emplace(*space_);
                       errors_before.emplace(space_->mesh(), *target_before);
                     });
@@ -300,10 +308,10 @@ class Tracker::Impl {
 
   /// Of a cold frame, about: that of the frame which the group began with, less what the picture has become
   /// harder since.
-  double expected_psnr() const {
+  double expected_psnr() {
     constexpr double kLeast = 1;  // squared levels, of the whole picture
-    const double now = difficulty(*target_, cold_, most_functions_);
-    return group_start_.psnr - 10 * std::log10((now + kLeast) / (group_start_.difficulty + kLeast));
+    return group_start_.psnr -
+           10 * std::log10((difficulty_now() + kLeast) / (group_start_.difficulty + kLeast));
   }
 
   /// The space over a mesh that comes from the one there is, whose links are given. How many functions knots
@@ -429,17 +437,16 @@ class Tracker::Impl {
   /// A group gets more control points while the error is above what is asked for and the bound leaves room:
   /// the content has become harder. A cold frame would have used them.
   void grow_group() {
-    if (report_->mec <= options_.grow_above * cold_.mec) return;
-    const auto grown =
-        static_cast<std::size_t>((1 + options_.growth) * static_cast<double>(group_functions_));
+    if (options_.growth <= 0 || report_->mec <= options_.grow_above * cold_.mec) return;
+    const double more = std::max(kFunctionsOfKnot, options_.growth * static_cast<double>(group_functions_));
+    const std::size_t grown = group_functions_ + static_cast<std::size_t>(more);
     group_functions_ = std::max(group_functions_, std::min(grown, most_functions_));
   }
 
   /// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.
   void refill(const image::Image& picture, std::span<const float> errors, bool urgent, EditableMesh& mesh,
               const std::vector<KnotIndex>& born, double born_functions) {
-    need_target(picture);
-    grow_group();
+    if (!urgent) grow_group();  // once per frame
     const double functions = static_cast<double>(space_->function_count());
     const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
     const double missing = (static_cast<double>(group_functions_) - functions - born_functions) / per_knot;
@@ -504,7 +511,8 @@ class Tracker::Impl {
     double mec = 0;
   } frame_before_;
   Settling settling_;
-  std::unique_ptr<knots::Target> target_;
+  std::unique_ptr<knots::Target> target_;  ///< of the last picture
+  std::optional<double> difficulty_;       ///< of that
   std::uint32_t next_id_ = 0;
 
   struct {

@@ -85,46 +85,44 @@ std::vector<double> dense(const PixelValues& pixels) {
 class Pixels : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Degree, Pixels, ::testing::Values(1, 2, 3));
 
+/// @param places none: at the centres.
+void expect_values_of_points(const MeshCase& c, int degree, const Raster& raster,
+                             const std::vector<Vec2>& places, double tolerance) {
+  const Basis basis(std::make_shared<const SplineSpace>(c.mesh, degree));
+  const std::size_t n = basis.space().function_count();
+  std::vector<double> difference = dense(PixelValues(basis, raster.columns, raster.rows, places));
+  std::vector<BasisValue> values;
+  double worst = 0;
+  Vec2 worst_at;
+  for (std::size_t i = 0; i < raster.size(); ++i) {
+    const Vec2 u = places.empty() ? raster.centre(c.mesh, i) : places[i];
+    basis.evaluate(u, values);
+    for (const BasisValue& v : values) difference[i * n + v.function] -= v.value;
+    for (std::size_t f = 0; f < n; ++f) {
+      if (std::abs(difference[i * n + f]) <= worst) continue;
+      worst = std::abs(difference[i * n + f]);
+      worst_at = u;
+    }
+  }
+  EXPECT_LE(worst, tolerance) << "at " << worst_at.x << ' ' << worst_at.y << '\n' << c.to_text();
+}
+
+/// Pixels need not be square.
+Raster flat_raster(const MeshCase& c) {
+  return {static_cast<int>(c.mesh.width), static_cast<int>(c.mesh.height) / 2};
+}
+
 TEST_P(Pixels, ValuesAreThoseAtTheirPlaces) {
   for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 40)) {
     SCOPED_TRACE(c.name);
-    const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
-    const Basis basis(space);
-    // Pixels need not be square.
-    const Raster raster{static_cast<int>(c.mesh.width), static_cast<int>(c.mesh.height) / 2};
-    const std::vector<Vec2> places = mixed_places(c.mesh, raster);
-    const std::size_t n = space->function_count();
-    std::vector<double> difference = dense(PixelValues(basis, raster.columns, raster.rows, places));
-    std::vector<BasisValue> values;
-    double worst = 0;
-    Vec2 worst_at;
-    for (std::size_t i = 0; i < places.size(); ++i) {
-      basis.evaluate(places[i], values);
-      for (const BasisValue& v : values) difference[i * n + v.function] -= v.value;
-      for (std::size_t f = 0; f < n; ++f) {
-        if (std::abs(difference[i * n + f]) <= worst) continue;
-        worst = std::abs(difference[i * n + f]);
-        worst_at = places[i];
-      }
-    }
-    EXPECT_LE(worst, 1e-11) << "at " << worst_at.x << ' ' << worst_at.y << '\n' << c.to_text();
+    expect_values_of_points(c, GetParam(), flat_raster(c), mixed_places(c.mesh, flat_raster(c)), 1e-11);
   }
 }
 
 TEST_P(Pixels, ValuesAtTheCentresAreThoseOfPoints) {
   for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 60)) {
     SCOPED_TRACE(c.name);
-    const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
-    const Basis basis(space);
-    const Raster raster{static_cast<int>(c.mesh.width), static_cast<int>(c.mesh.height) / 2};
-    const std::size_t n = space->function_count();
-    std::vector<double> difference = dense(PixelValues(basis, raster.columns, raster.rows, {}));
-    std::vector<BasisValue> values;
-    for (std::size_t i = 0; i < raster.size(); ++i) {
-      basis.evaluate(raster.centre(c.mesh, i), values);
-      for (const BasisValue& v : values) difference[i * n + v.function] -= v.value;
-    }
-    for (const double d : difference) ASSERT_LE(std::abs(d), 1e-10) << c.to_text();
+    expect_values_of_points(c, GetParam(), flat_raster(c), {}, 1e-10);
   }
 }
 

@@ -239,6 +239,8 @@ TEST(Tracker, AGroupGrowsWithItsContentAndNoFurther) {
   const Tracked run = track(pictures, options, 1);
   EXPECT_LT(run.reports.front().control_points, 100U);
   EXPECT_GT(run.reports.back().control_points, 2 * run.reports.front().control_points);
+  const Tracked slow = track(pictures, {.scene_threshold = 1, .drift = 100, .growth = 0.01}, 1);
+  EXPECT_GT(slow.reports.back().control_points, slow.reports.front().control_points) << "by a knot at least";
   const Tracked bounded = track(pictures, options, 0);
   for (const FrameReport& report : bounded.reports) EXPECT_LE(report.control_points, 400U);
   // What is good enough stays as it is.

@@ -43,18 +43,21 @@ struct FlowOptions {
 Flow find_flow(const Luma& from, const Luma& to, const FlowOptions& options = {});
 Flow find_flow(const image::Image& from, const image::Image& to, const FlowOptions& options = {});
 
+inline constexpr double kLeastTolerance = 1.0;  ///< pixels
+inline constexpr double kToleranceShare = 0.05;
+
 /// Which pixels of `forward` are found again: there and back, |forward + backward(there)| is at most
 /// least + share * |forward| (pixels). What leaves the picture, or is hidden in the other one, is not.
 /// @param backward flow from the other picture to that of `forward`, of the same size.
 /// @return 1 or 0 per pixel, row-major.
 /// @throws Error{kInvalidArgument} if the sizes differ.
 /// All threads are used; the result does not depend on their number.
-std::vector<std::uint8_t> consistent(const Flow& forward, const Flow& backward, double least = 1.0,
-                                     double share = 0.05);
+std::vector<std::uint8_t> consistent(const Flow& forward, const Flow& backward,
+                                     double least = kLeastTolerance, double share = kToleranceShare);
 
 /// Makes a roughly known flow as exact as the one from the other picture: vectors that are found again become
 /// the opposite of the vector where they lead.
-/// @return which are found again: as consistent() of the rough flow, before.
+/// @return which are found again: as consistent() of the rough flow, before, with its default tolerances.
 /// @throws Error{kInvalidArgument} if the sizes differ.
 /// All threads are used; the result does not depend on their number.
 std::vector<std::uint8_t> turn_round(const Flow& exact, Flow& rough);
