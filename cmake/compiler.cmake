@@ -10,7 +10,11 @@ endif()
 
 find_program(KNOTREEL_CCACHE ccache)
 if(KNOTREEL_CCACHE AND NOT CMAKE_CXX_COMPILER_LAUNCHER)
-  set(CMAKE_CXX_COMPILER_LAUNCHER ${KNOTREEL_CCACHE})
+  # ccache is told that precompiled headers may be trusted; without, it does not cache what uses them.
+  set(CMAKE_CXX_COMPILER_LAUNCHER ${CMAKE_COMMAND} -E env CCACHE_SLOPPINESS=pch_defines,time_macros ${KNOTREEL_CCACHE})
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")
+    add_compile_options(-fpch-preprocess)
+  endif()
 endif()
 
 # Target that every module links: flags only.

@@ -1,0 +1,1 @@
+// Has nothing: a target needs a source to own a precompiled header.
