@@ -56,6 +56,7 @@ Surface::Surface(const document::FrameModel& model)
           p.gy += c * w.ny;
         };
         const Vec2 d = model.displacement[geometry_of[f]];
+        term.moves = term.moves || d != Vec2{};
         add(0, d.x);
         add(1, d.y);
         for (std::size_t c = 0; c < colours; ++c) add(kGeometryChannels + c, model.colour[f * colours + c]);

@@ -26,6 +26,7 @@ struct SurfaceTerm {
   spline::Tent tent;
   spline::Affine factor;
   bool has_factor = false;
+  bool moves = false;  ///< has a part in the displacement
   Vec2 origin;
   std::array<Plane, kMaxChannels> planes{};
 };

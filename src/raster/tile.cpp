@@ -197,7 +197,9 @@ bool Tile::invert(const double* x, const double* y, int n, double small) {
       set_geometry(smooth_[c], centre_, ux_.data(), uy_.data(), n, g.d[c].data(), g.j[c][0].data(),
                    g.j[c][1].data());
     }
-    for (const BoxedTerm& t : terms_of_points(n)) add_geometry(*t.term, ux_.data(), uy_.data(), n, g);
+    for (const BoxedTerm& t : terms_of_points(n)) {
+      if (t.term->moves) add_geometry(*t.term, ux_.data(), uy_.data(), n, g);
+    }
     longest = newton_step(g, x, y, n, box_.low, box_.high, ux_.data(), uy_.data(), moved.data());
     if (longest < small) break;
   }
