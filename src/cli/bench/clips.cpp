@@ -56,7 +56,7 @@ void store_scaled(video::VideoReader& reader, const Clip& clip, std::uint64_t fr
   video::WriteOptions nearly_lossless;
   nearly_lossless.codec = "h264";
   nearly_lossless.crf = 10;
-  nearly_lossless.preset = "veryfast";
+  nearly_lossless.preset = "superfast";  // slower ones (macroblock trees) make another file each time
   auto writer = video::VideoWriter::create(clip.path, info, nearly_lossless);
   video::Frame frame;
   for (std::uint64_t i = 0; (frames == 0 || i < frames) && reader.next(frame); ++i) {
