@@ -7,6 +7,8 @@ namespace knotreel::track {
 GroupRule::GroupRule(const TrackOptions& options, Start first) : options_(options), first_(first) {
   if (options.keyframe_interval < 1)
     throw Error(ErrorKind::kInvalidArgument, "a group has at least one frame");
+  if (options.look_interval < 1)
+    throw Error(ErrorKind::kInvalidArgument, "the frames between looks at what drifts are at least 1");
 }
 
 Start GroupRule::start_of(const Motion* motion) const {

@@ -118,7 +118,7 @@ class Tracker::Impl {
       report.mec = last_mec_;
     } else if (report.start == Start::kWarm) {
       make_warm(picture, *motion);
-      cold = has_drifted() ? better_cold_frame(picture) : nullptr;
+      cold = may_have_drifted() ? better_cold_frame(picture) : nullptr;
       if (cold) {
         report.start = Start::kDrift;
         groups_.restart();
@@ -164,7 +164,7 @@ class Tracker::Impl {
     measure();
     if (options_.warm_start) {
       if (!target_) make_target(picture);
-      group_start_ = {report_->psnr, difficulty_now()};
+      last_cold_ = {report_->psnr, difficulty_now()};
       lap("difficulty");
     }
     drift_from_ = report_->psnr;
@@ -172,6 +172,7 @@ class Tracker::Impl {
     group_features_ = feature_length(space_->mesh());
     vain_ = 0;
     since_births_ = 0;
+    since_look_ = 0;
     has_new_features_ = false;
     next_id_ = EditableMesh(space_->mesh()).next_id();
     settling_.clear();
@@ -277,24 +278,32 @@ class Tracker::Impl {
     return mesh.to_mesh();
   }
 
-  /// Moves new knots to where the picture wants them. Their neighbours stay: to disturb knots that have
-  /// settled is more flicker and bytes for the same error.
+  /// Moves new knots to where the picture wants them. Their neighbours stay, unless much is new: to disturb
+  /// knots that have settled is more flicker and bytes for the same error.
   void optimise_around(EditableMesh& mesh, const std::vector<KnotIndex>& fresh) const {
     if (fresh.empty() || !options_.optimise_inserted) return;
     knots::OptimiseOptions local = cold_.optimise;
     local.rounds = 1;
-    knots::optimise(mesh, *target_, local, knots::rings_around(mesh, fresh, 0));
+    const double share = static_cast<double>(fresh.size()) / static_cast<double>(mesh.knot_count());
+    knots::optimise(mesh, *target_, local,
+                    knots::rings_around(mesh, fresh, share > options_.much_new ? 1 : 0));
   }
 
-  /// Each cold frame in vain makes the next one wait for a deeper fall.
-  bool has_drifted() const {
-    return report_->mec > cold_.mec && report_->psnr < drift_from_ - std::max(1, vain_) * options_.drift;
+  /// Whether to look if a cold frame would be better: the fit has fallen, or it is long since the last look
+  /// (the picture may have become easier). Each cold frame in vain makes the next look wait for a deeper
+  /// fall, or longer.
+  bool may_have_drifted() {
+    if (report_->mec <= cold_.mec) return false;
+    const int times = std::max(1, vain_);
+    return ++since_look_ >= times * options_.look_interval ||
+           report_->psnr < drift_from_ - times * options_.drift;
   }
 
   /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to
   /// look again soon.
   std::shared_ptr<ColdFrame> better_cold_frame(const image::Image& picture) {
     drift_from_ = report_->psnr;
+    since_look_ = 0;
     const double expected = expected_psnr();
     lap("difficulty");
     if (expected < report_->psnr + options_.restart_gain) return nullptr;
@@ -303,15 +312,14 @@ class Tracker::Impl {
     const Quality quality = quality_of(cold->colours.residual, cold->placed.weights, picture.channels);
     if (quality.psnr > report_->psnr + options_.restart_gain) return cold;
     ++vain_;
+    last_cold_ = {quality.psnr, difficulty_now()};
     return nullptr;
   }
 
-  /// Of a cold frame, about: that of the frame which the group began with, less what the picture has become
-  /// harder since.
+  /// Of a cold frame, about: that of the last one, less what the picture has become harder since.
   double expected_psnr() {
     constexpr double kLeast = 1;  // squared levels, of the whole picture
-    return group_start_.psnr -
-           10 * std::log10((difficulty_now() + kLeast) / (group_start_.difficulty + kLeast));
+    return last_cold_.psnr - 10 * std::log10((difficulty_now() + kLeast) / (last_cold_.difficulty + kLeast));
   }
 
   /// The space over a mesh that comes from the one there is, whose links are given. How many functions knots
@@ -518,7 +526,7 @@ class Tracker::Impl {
   struct {
     double psnr = 0;
     double difficulty = 0;
-  } group_start_;
+  } last_cold_;            ///< that began the group, or was made in vain
   double drift_from_ = 0;  ///< PSNR that a fall counts from
   double last_psnr_ = 0;
   double last_mec_ = 0;
@@ -527,6 +535,7 @@ class Tracker::Impl {
   int vain_ = 0;                   ///< cold frames of this group that were no better
   double group_features_ = 0;      ///< length of the feature polylines at its start, pixels
   int since_births_ = 0;           ///< frames
+  int since_look_ = 0;             ///< frames
   bool has_new_features_ = false;  ///< that were never bent to their edges
 };
 

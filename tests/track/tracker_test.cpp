@@ -233,6 +233,16 @@ TEST(Tracker, AModelThatHasBecomeTooSmallIsMadeAnew) {
   EXPECT_TRUE(std::ranges::any_of(run.reports, [](const auto& r) { return r.start == Start::kDrift; }));
 }
 
+TEST(Tracker, AFrameIsMadeAnewWhenThatPromisesMoreThoughNothingFell) {
+  TrackOptions options{.scene_threshold = 1, .drift = 100, .look_interval = 4, .growth = 0};
+  const Tracked run = track(fade_in(), options, 1);
+  for (std::size_t i = 1; i < 4; ++i) EXPECT_EQ(run.reports[i].start, Start::kWarm) << i;
+  EXPECT_EQ(run.reports[4].start, Start::kDrift);
+  options.look_interval = 100;
+  const Tracked never = track(fade_in(), options, 1);
+  for (std::size_t i = 1; i < 8; ++i) EXPECT_EQ(never.reports[i].start, Start::kWarm) << i;
+}
+
 TEST(Tracker, AGroupGrowsWithItsContentAndNoFurther) {
   const TrackOptions options{.scene_threshold = 1, .drift = 100, .growth = 0.3};
   std::vector<image::Image> pictures = fade_in();
@@ -281,6 +291,7 @@ TEST(Tracker, IdsAreNotUsedAgain) {
 
 TEST(Tracker, WrongOptionsAreRefused) {
   EXPECT_THROW(Tracker({}, {.keyframe_interval = 0}), Error);
+  EXPECT_THROW(Tracker({}, {.look_interval = 0}), Error);
 }
 
 }  // namespace

@@ -23,14 +23,16 @@ struct TrackOptions {
   double temporal_weight = 0.5;  ///< of what the frame before missed, 0 to 1: keeps noise from flickering
   int keyframe_interval = 250;   ///< most frames of a group, 1 or more
   double scene_threshold = 0.4;  ///< as motion::CutOptions::threshold
-  /// When the fit is this many dB worse than at the start of the group and its MEC above the one asked for,
-  /// the frame is made anew from its picture ...
+  /// While the MEC is above the one asked for, a cold frame is considered when the fit is this many dB worse
+  /// than when that was done last, or at the start of the group ...
   double drift = 1.5;
-  double restart_gain = 1.0;      ///< ... and starts a group if that is better by so many dB
+  int look_interval = 16;         ///< ... and when so many frames have gone by, 1 or more
+  double restart_gain = 1.0;      ///< it is made if it promises to be better by so many dB, and kept if it is
   double grow_above = 1.1;        ///< times the MEC asked for: frames above it are followed by ones with ...
   double growth = 0.05;           ///< ... this share more of control points, as long as the bound leaves room
   bool settle = true;             ///< whether knots go on descending on the true residual, a step per frame
-  bool optimise_inserted = true;  ///< whether the mesh around new knots is optimised
+  bool optimise_inserted = true;  ///< whether new knots are moved to where the picture wants them ...
+  double much_new = 0.06;         ///< ... with their neighbours, if they are more than this share of all
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
   double colour_hold = 2;     ///< control points keep colours that change by less, levels ...
   double hold_share = 0.4;    ///< ... and by less than this share of the MEC of the frame before
