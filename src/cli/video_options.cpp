@@ -126,6 +126,7 @@ nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
           {"keyframe_interval", o.keyframe_interval},
           {"scene_threshold", o.scene_threshold},
           {"drift", o.drift},
+          {"look_interval", o.look_interval},
           {"restart_gain", o.restart_gain}};
 }
 
