@@ -32,7 +32,7 @@ struct TrackOptions {
   double growth = 0.05;           ///< ... this share more of control points, as long as the bound leaves room
   bool settle = true;             ///< whether knots go on descending on the true residual, a step per frame
   bool optimise_inserted = true;  ///< whether new knots are moved to where the picture wants them ...
-  double much_new = 0.06;         ///< ... with their neighbours, if they are more than this share of all
+  double much_new = 0.08;         ///< ... with their neighbours, if they are more than this share of all
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
   double colour_hold = 2;     ///< control points keep colours that change by less, levels ...
   double hold_share = 0.4;    ///< ... and by less than this share of the MEC of the frame before
