@@ -118,7 +118,7 @@ class Tracker::Impl {
       report.mec = last_mec_;
     } else if (report.start == Start::kWarm) {
       make_warm(picture, *motion);
-      cold = may_have_drifted() ? better_cold_frame(picture) : nullptr;
+      cold = is_time_to_look() ? better_cold_frame(picture) : nullptr;
       if (cold) {
         report.start = Start::kDrift;
         groups_.restart();
@@ -289,10 +289,10 @@ class Tracker::Impl {
                     knots::rings_around(mesh, fresh, share > options_.much_new ? 1 : 0));
   }
 
-  /// Whether to look if a cold frame would be better: the fit has fallen, or it is long since the last look
-  /// (the picture may have become easier). Each cold frame in vain makes the next look wait for a deeper
-  /// fall, or longer.
-  bool may_have_drifted() {
+  /// Counts the frame. Whether to look if a cold frame would be better: the fit has fallen, or it is long
+  /// since the last look (the picture may have become easier). Each cold frame in vain makes the next look
+  /// wait for a deeper fall, or longer.
+  bool is_time_to_look() {
     if (report_->mec <= cold_.mec) return false;
     const int times = std::max(1, vain_);
     return ++since_look_ >= times * options_.look_interval ||

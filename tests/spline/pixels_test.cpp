@@ -99,7 +99,7 @@ void expect_values_of_points(const MeshCase& c, int degree, const Raster& raster
     basis.evaluate(u, values);
     for (const BasisValue& v : values) difference[i * n + v.function] -= v.value;
     for (std::size_t f = 0; f < n; ++f) {
-      if (std::abs(difference[i * n + f]) <= worst) continue;
+      if (std::abs(difference[i * n + f]) <= worst || std::isnan(worst)) continue;
       worst = std::abs(difference[i * n + f]);
       worst_at = u;
     }

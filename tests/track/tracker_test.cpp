@@ -243,6 +243,15 @@ TEST(Tracker, AFrameIsMadeAnewWhenThatPromisesMoreThoughNothingFell) {
   for (std::size_t i = 1; i < 8; ++i) EXPECT_EQ(never.reports[i].start, Start::kWarm) << i;
 }
 
+TEST(Tracker, NeighboursOfNewKnotsMoveOnlyWhereMuchIsNew) {
+  const std::vector<image::Image> pictures = moving(5);
+  const Tracked never = track(pictures, {.much_new = 1}, 0);
+  const Tracked always = track(pictures, {.much_new = 0}, 0);
+  EXPECT_TRUE(std::ranges::any_of(always.reports, [](const auto& r) { return r.inserted > 0; }));
+  EXPECT_NE(always.models.back().colour, never.models.back().colour);
+  EXPECT_EQ(track(pictures, {.much_new = 2}, 0).models.back().colour, never.models.back().colour);
+}
+
 TEST(Tracker, AGroupGrowsWithItsContentAndNoFurther) {
   const TrackOptions options{.scene_threshold = 1, .drift = 100, .growth = 0.3};
   std::vector<image::Image> pictures = fade_in();
