@@ -14,7 +14,7 @@ namespace {
 using Matrix = Eigen::SparseMatrix<double>;
 using RowMatrix = Eigen::SparseMatrix<double, Eigen::RowMajor>;
 
-struct Entry {
+struct Share {
   int row;
   double value;
 };
@@ -46,15 +46,15 @@ Matrix reduce(const Matrix& lower, const RowMatrix& p) {
   std::vector<std::size_t> begin(n + 1, 0);
   for_shares(lower, p, [&](int, int c, double) { ++begin[static_cast<std::size_t>(c) + 1]; });
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
-  std::vector<Entry> entries(begin.back());
+  std::vector<Share> entries(begin.back());
   std::vector<std::size_t> end(begin.begin(), begin.end() - 1);
   for_shares(lower, p, [&](int r, int c, double v) { entries[end[static_cast<std::size_t>(c)]++] = {r, v}; });
-  constexpr std::size_t kBlock = 256;
-  parallel_for((n + kBlock - 1) / kBlock, [&](std::size_t block) {
-    for (std::size_t c = block * kBlock; c < std::min(n, (block + 1) * kBlock); ++c) {
+  constexpr std::size_t kColumns = 256;
+  parallel_for((n + kColumns - 1) / kColumns, [&](std::size_t block) {
+    for (std::size_t c = block * kColumns; c < std::min(n, (block + 1) * kColumns); ++c) {
       const auto first = entries.begin() + static_cast<std::ptrdiff_t>(begin[c]);
       const auto last = entries.begin() + static_cast<std::ptrdiff_t>(end[c]);
-      std::stable_sort(first, last, [](const Entry& a, const Entry& b) { return a.row < b.row; });
+      std::stable_sort(first, last, [](const Share& a, const Share& b) { return a.row < b.row; });
       auto to = first;
       for (auto from = first; from != last; ++from) {
         if (to != first && (to - 1)->row == from->row) {

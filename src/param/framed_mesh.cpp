@@ -5,7 +5,7 @@
 namespace knotreel::param {
 namespace {
 
-enum Side : std::size_t { kLeftSide, kRightSide, kTopSide, kBottomSide };
+enum Border : std::size_t { kLeftSide, kRightSide, kTopSide, kBottomSide };
 
 }  // namespace
 
@@ -13,7 +13,7 @@ FramedMesh::FramedMesh(const features::ImageMesh& mesh, const Parametrization& p
     : mesh_(mesh) {
   const auto width = static_cast<std::size_t>(mesh.width);
   const auto height = static_cast<std::size_t>(mesh.height);
-  for (const Side side : {kLeftSide, kRightSide, kTopSide, kBottomSide}) {
+  for (const Border side : {kLeftSide, kRightSide, kTopSide, kBottomSide}) {
     along_[side].resize(side == kLeftSide || side == kRightSide ? height : width);
     for (std::size_t i = 0; i < along_[side].size(); ++i) along_[side][i] = static_cast<double>(i) + 0.5;
   }

@@ -13,7 +13,7 @@
 namespace knotreel::param {
 namespace {
 
-constexpr int kRowsPerTask = 16;
+constexpr int kRowsOfBand = 16;
 /// Barycentric coordinates down to this count as inside: a pixel centre on an edge must not fall between two
 /// triangles. Both give the same colour there, unless the edge is of a feature, and then the pixel has no
 /// weight.
@@ -38,10 +38,10 @@ class Resampler {
 
   ParametrizedImage run() {
     find_active();
-    const int bands = (picture_.height + kRowsPerTask - 1) / kRowsPerTask;
+    const int bands = (picture_.height + kRowsOfBand - 1) / kRowsOfBand;
     parallel_for(static_cast<std::size_t>(bands), [&](std::size_t band) {
-      const int first = static_cast<int>(band) * kRowsPerTask;
-      draw_rows(first, std::min(first + kRowsPerTask, picture_.height));
+      const int first = static_cast<int>(band) * kRowsOfBand;
+      draw_rows(first, std::min(first + kRowsOfBand, picture_.height));
     });
     fill_colourless();
     clear_crossed_pixels(parametrization_, out_.weights);

@@ -8,7 +8,6 @@
 #include "knotreel/base/output_file.h"
 
 namespace knotreel::pipeline {
-namespace {
 
 class FileBuffer : public std::streambuf {
  public:
@@ -42,8 +41,6 @@ class FileBuffer : public std::streambuf {
   std::optional<OutputFile> file_;
   std::uint64_t bytes_ = 0;
 };
-
-}  // namespace
 
 struct DocumentSink::Stream {
   explicit Stream(const std::string& path) : buffer(path), out(&buffer) {

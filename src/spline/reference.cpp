@@ -11,7 +11,7 @@ namespace {
 // feature are collinear only up to rounding.
 constexpr double kOnLine = 1e-9;
 // Triangles thinner than this, relative to their squared diameter, are flat.
-constexpr double kFlat = 1e-11;
+constexpr double kThin = 1e-11;
 
 struct Simplex {
   std::array<Vec2, 6> knots;
@@ -57,7 +57,7 @@ bool largest_triangle(const Simplex& s, std::array<std::size_t, 3>& best) {
       }
     }
   }
-  return largest > kFlat * diameter2;
+  return largest > kThin * diameter2;
 }
 
 Jet evaluate(const Simplex& s, Vec2 u, Vec2 direction) {

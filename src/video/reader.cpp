@@ -15,7 +15,7 @@ namespace knotreel::video {
 namespace {
 
 /// A file that holds one picture of a kind that the image module reads. Animated PNG is a video.
-bool is_picture(const std::string& input) {
+bool holds_picture(const std::string& input) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(input, ignored)) return false;
   const std::vector<std::byte> start = read_start(input, 4096);
@@ -27,7 +27,7 @@ bool is_picture(const std::string& input) {
 
 std::unique_ptr<Source> open_source(const std::string& input, const ReadOptions& options) {
   if (means_pictures(input)) return open_pictures(list_pictures(input), options);
-  if (options.format.empty() && is_picture(input)) return open_pictures({input}, options);
+  if (options.format.empty() && holds_picture(input)) return open_pictures({input}, options);
   return open_stream(input, options);
 }
 

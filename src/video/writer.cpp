@@ -22,7 +22,7 @@ void check_info(const StreamInfo& frames) {
   if (!frames.time_base.known()) refuse("frames need a time base above 0");
 }
 
-bool is_picture(const std::string& output) {
+bool names_picture(const std::string& output) {
   const std::string extension = std::filesystem::path(output).extension().string();
   return number_pattern(output) || (!extension.empty() && image::format_of_extension(extension.substr(1)));
 }
@@ -31,7 +31,7 @@ std::unique_ptr<Sink> make_sink(const std::string& output, const StreamInfo& fra
                                 const WriteOptions& options, const VideoReader* copied) {
   if (options.container == "null") return make_null_sink();
   if (options.container == "hash") return make_hash_sink(frames);
-  if (options.container.empty() && is_picture(output)) return make_picture_sink(output, frames);
+  if (options.container.empty() && names_picture(output)) return make_picture_sink(output, frames);
   return make_file_sink(output, frames, options, copied);
 }
 
