@@ -22,7 +22,9 @@ add_library(knotreel_flags INTERFACE)
 target_compile_options(knotreel_flags INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wno-sign-conversion -Wnon-virtual-dtor -Woverloaded-virtual
   # The same document gives the same bits on every machine: no fused multiply-add unless written so.
-  -ffp-contract=off)
+  -ffp-contract=off
+  # Nobody asks for errno or floating-point exceptions; loops become vectors without them, with the same values.
+  -fno-math-errno -fno-trapping-math)
 # g++ 12 sees an overlap in every `"text" + std::string` (GCC bug 105651).
 target_compile_options(knotreel_flags INTERFACE $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 if(KNOTREEL_WERROR)

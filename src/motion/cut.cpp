@@ -1,15 +1,10 @@
 #include "knotreel/motion/cut.h"
 
 #include <algorithm>
-#include <cstdlib>
-#include <functional>
-#include <numeric>
+#include <vector>
 
-#include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
-#include "knotreel/motion/warp.h"
 #include "motion/check_sizes.h"
-#include "motion/histogram.h"
 
 namespace knotreel::motion {
 namespace {
@@ -92,46 +87,15 @@ double unlikeness(const Cells& a, const Cells& b) {
   return 1 - std::clamp(together / apart, 0.0, 1.0);
 }
 
-double mean_difference(const Luma& a, const Luma& b) {
-  const std::uint64_t sum = std::transform_reduce(
-      a.v.begin(), a.v.end(), b.v.begin(), std::uint64_t{0}, std::plus<>(),
-      [](std::uint8_t p, std::uint8_t q) { return std::uint64_t(std::abs(int{p} - int{q})); });
-  return double(sum) / double(a.v.size());
-}
-
 }  // namespace
 
-CutMeasure measure_change(const image::Image& before, const image::Image& now, const Flow& forward,
-                          const std::vector<std::uint8_t>& consistent) {
-  check_sizes(before, now);
-  return measure_change(before, now, luma_of(before), luma_of(now), forward, consistent);
+double unlikeness(const Luma& before, const Luma& moved) {
+  check_sizes(before, moved);
+  return unlikeness(cells_of(before), cells_of(moved));
 }
 
-CutMeasure measure_change(const image::Image& before, const image::Image& now, const Luma& luma_before,
-                          const Luma& luma_now, const Flow& forward,
-                          const std::vector<std::uint8_t>& consistent) {
-  check_sizes(before, now);
-  check_sizes(before, luma_before);
-  check_sizes(now, luma_now);
-  check_sizes(before, forward);
-  if (consistent.size() != before.pixel_count()) {
-    throw Error(ErrorKind::kInvalidArgument, "a flow and its consistent pixels differ in size");
-  }
-  const auto pixels = double(before.pixel_count());
-  const Luma moved = warp(luma_now, forward);
-  CutMeasure measure;
-  Histogram histograms[2];
-  parallel_for(2, [&](std::size_t i) { histograms[i] = histogram_of(i == 0 ? before : now); });
-  measure.histogram = distance(histograms[0], histograms[1]);
-  measure.residual = mean_difference(luma_before, moved);
-  measure.unmatched =
-      1 - double(std::accumulate(consistent.begin(), consistent.end(), std::size_t{0})) / pixels;
-  measure.unlike = unlikeness(cells_of(luma_before), cells_of(moved));
-  return measure;
-}
-
-bool is_cut(const CutMeasure& measure, const CutOptions& options) {
-  return measure.unlike >= options.threshold;
+bool is_cut(double unlikeness, const CutOptions& options) {
+  return unlikeness >= options.threshold;
 }
 
 }  // namespace knotreel::motion

@@ -1,6 +1,7 @@
 #include <array>
 #include <cmath>
 
+#include "base/multiversion.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/motion/flow.h"
 #include "motion/bilinear.h"
@@ -14,24 +15,27 @@ struct Tolerance {
   float share = float(kToleranceShare);
 };
 
-/// Whether a pixel whose centre is (x, y) comes back from where `way` leads it.
-/// @param back where it is led from there, if that is in the picture.
-bool comes_back(const Flow& backward, float x, float y, const float* way, Tolerance tolerance,
-                std::array<float, 2>& back) {
-  const float dx = way[0];
-  const float dy = way[1];
-  const float there_x = x + dx;
-  const float there_y = y + dy;
-  if (!(there_x >= 0 && there_y >= 0 && there_x <= float(backward.width) &&
-        there_y <= float(backward.height))) {
-    return false;
+/// For the pixels of row y: whether they come back from where `way` leads them.
+/// @param back where they are led from there, where that is in the picture: x and y apart.
+KNOTREEL_MULTIVERSION
+void come_back(const float* __restrict backward, int width, int height, int y, const float* __restrict way,
+               Tolerance tolerance, std::uint8_t* __restrict found, float* __restrict back_x,
+               float* __restrict back_y) {
+  for (int x = 0; x < width; ++x) {
+    const float dx = way[2 * x];
+    const float dy = way[2 * x + 1];
+    const float there_x = float(x) + 0.5F + dx;
+    const float there_y = float(y) + 0.5F + dy;
+    const bool inside =
+        (there_x >= 0) & (there_y >= 0) & (there_x <= float(width)) & (there_y <= float(height));
+    const Cell cell = cell_at(there_x, there_y, width, height);
+    back_x[x] = cell.sample(backward, 2);
+    back_y[x] = cell.sample(backward + 1, 2);
+    const float off_x = dx + back_x[x];
+    const float off_y = dy + back_y[x];
+    const float allowed = tolerance.least + tolerance.share * std::sqrt(dx * dx + dy * dy);
+    found[x] = inside & (off_x * off_x + off_y * off_y <= allowed * allowed);
   }
-  const Cell cell = cell_at(there_x, there_y, backward.width, backward.height);
-  back = {cell.sample(backward.xy.data(), 2), cell.sample(backward.xy.data() + 1, 2)};
-  const float off_x = dx + back[0];
-  const float off_y = dy + back[1];
-  const float allowed = tolerance.least + tolerance.share * std::sqrt(dx * dx + dy * dy);
-  return off_x * off_x + off_y * off_y <= allowed * allowed;
 }
 
 /// Calls found(pixel, way back) for the pixels that are found again.
@@ -43,11 +47,12 @@ std::vector<std::uint8_t> find_again(const Flow& forward, const Flow& backward, 
   const auto width = std::size_t(forward.width);
   std::vector<std::uint8_t> result(forward.xy.size() / 2);
   parallel_for(std::size_t(forward.height), [&](std::size_t y) {
-    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
-      std::array<float, 2> back{};
-      result[i] = comes_back(backward, float(i - y * width) + 0.5F, float(y) + 0.5F, &forward.xy[2 * i],
-                             tolerance, back);
-      if (result[i]) found(i, back);
+    std::vector<float> back(2 * width);
+    const std::size_t row = y * width;
+    come_back(backward.xy.data(), forward.width, forward.height, int(y), &forward.xy[2 * row], tolerance,
+              &result[row], back.data(), back.data() + width);
+    for (std::size_t x = 0; x < width; ++x) {
+      if (result[row + x]) found(row + x, std::array{back[x], back[width + x]});
     }
   });
   return result;

@@ -77,7 +77,7 @@ double change_along(const Image& before, const Image& now, const Flow& flow,
       if (!inside) continue;
       const Cell cell = cell_at(there_x, there_y, now.width, now.height);
       for (std::size_t c = 0; c < channels; ++c) {
-        const float there = cell.sample(now.samples.data() + c, channels);
+        const float there = cell.sample(now.samples.data() + c, now.channels);
         rows[y].total += double{std::abs(there - before.samples[pixel * channels + c])};
       }
       rows[y].count += channels;

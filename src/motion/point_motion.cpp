@@ -24,13 +24,14 @@ Vec2 consistent_mean(Vec2 p, const Flow& flow, const Mask& mask) {
   const Cell cell = cell_at(float(p.x), float(p.y), flow.width, flow.height);
   const double x = double{cell.x};
   const double y = double{cell.y};
-  const std::size_t pixels[4] = {cell.top_left, cell.top_right, cell.bottom_left, cell.bottom_right};
+  const int pixels[4] = {cell.top_left, cell.top_right, cell.bottom_left, cell.bottom_right};
   const double weights[4] = {(1 - x) * (1 - y), x * (1 - y), (1 - x) * y, x * y};
   Vec2 sum;
   double total = 0;
   for (int i = 0; i < 4; ++i) {
-    if (mask[pixels[i]] == 0) continue;
-    sum = sum + weights[i] * Vec2{double{flow.xy[2 * pixels[i]]}, double{flow.xy[2 * pixels[i] + 1]}};
+    const auto pixel = std::size_t(pixels[i]);
+    if (mask[pixel] == 0) continue;
+    sum = sum + weights[i] * Vec2{double{flow.xy[2 * pixel]}, double{flow.xy[2 * pixel + 1]}};
     total += weights[i];
   }
   return (1 / total) * sum;

@@ -5,7 +5,6 @@
 #include "base/multiversion.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
-#include "knotreel/motion/warp.h"
 #include "motion/check_sizes.h"
 
 namespace knotreel::motion {
@@ -57,17 +56,13 @@ std::vector<std::uint64_t> squared_difference_sums(const Luma& a, const Luma& b)
 
 }  // namespace
 
-StillTest::StillTest(const Luma& from, const Luma& to, const Flow& flow, const StillOptions& options)
+StillTest::StillTest(const Luma& from, const Luma& to, const Luma& moved, const StillOptions& options)
     : options_(options), width_(from.width), height_(from.height) {
   if (options.radius < 0) throw Error(ErrorKind::kInvalidArgument, "the radius of a window is negative");
   check_sizes(from, to);
-  check_sizes(from, flow);
+  check_sizes(from, moved);
   parallel_for(2, [&](std::size_t i) {
-    if (i == 0) {
-      standing_ = squared_difference_sums(from, to);
-    } else {
-      moving_ = squared_difference_sums(from, warp(to, flow));
-    }
+    (i == 0 ? standing_ : moving_) = squared_difference_sums(from, i == 0 ? to : moved);
   });
 }
 
@@ -89,12 +84,12 @@ bool StillTest::still(Vec2 p) const {
 }
 
 std::vector<std::uint8_t> still_points(std::span<const Vec2> points, std::span<const Vec2> motions,
-                                       const Luma& from, const Luma& to, const Flow& flow,
+                                       const Luma& from, const Luma& to, const Luma& moved,
                                        const StillOptions& options) {
   if (points.size() != motions.size()) {
     throw Error(ErrorKind::kInvalidArgument, "points and motions differ in number");
   }
-  const StillTest test(from, to, flow, options);
+  const StillTest test(from, to, moved, options);
   std::vector<std::uint8_t> still(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
     still[i] = motions[i] == Vec2{} || test.still(points[i]) ? 1 : 0;

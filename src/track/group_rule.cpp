@@ -9,12 +9,15 @@ GroupRule::GroupRule(const TrackOptions& options, Start first) : options_(option
     throw Error(ErrorKind::kInvalidArgument, "a group has at least one frame");
   if (options.look_interval < 1)
     throw Error(ErrorKind::kInvalidArgument, "the frames between looks at what drifts are at least 1");
+  if (options.rework_interval < 1)
+    throw Error(ErrorKind::kInvalidArgument, "knots are looked at every frame or less often");
 }
 
 Start GroupRule::start_of(const Motion* motion) const {
   if (length_ == 0) return first_;
   if (!options_.warm_start) return Start::kInterval;
-  if (!motion || motion::is_cut(motion->change, {.threshold = options_.scene_threshold})) return Start::kCut;
+  if (!motion || motion::is_cut(motion->unlikeness, {.threshold = options_.scene_threshold}))
+    return Start::kCut;
   return length_ >= options_.keyframe_interval ? Start::kInterval : Start::kWarm;
 }
 

@@ -1,5 +1,7 @@
 #include "knotreel/track/motion.h"
 
+#include "knotreel/motion/warp.h"
+
 namespace knotreel::track {
 
 Motion motion_between(const image::Image& before, const image::Image& now,
@@ -10,8 +12,8 @@ Motion motion_between(const image::Image& before, const image::Image& now,
   motion.before = std::make_shared<const motion::Luma>(motion::luma_of(before));
   motion.now = std::make_shared<const motion::Luma>(motion::luma_of(now));
   motion.flow = motion::find_flow_pair(*motion.before, *motion.now, options);
-  motion.change = motion::measure_change(before, now, *motion.before, *motion.now, motion.flow.forward,
-                                         motion.flow.consistent);
+  motion.moved = std::make_shared<const motion::Luma>(motion::warp(*motion.now, motion.flow.forward));
+  motion.unlikeness = motion::unlikeness(*motion.before, *motion.moved);
   return motion;
 }
 

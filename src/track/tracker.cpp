@@ -73,7 +73,7 @@ std::vector<Vec2> image_positions(const spline::Basis& basis, std::span<const Ve
 std::vector<Vec2> knot_motion(const std::vector<Vec2>& points, const Motion& motion) {
   std::vector<Vec2> result = motion::point_motion(points, motion.flow.forward, motion.flow.consistent);
   const std::vector<std::uint8_t> still =
-      motion::still_points(points, result, *motion.before, *motion.now, motion.flow.forward);
+      motion::still_points(points, result, *motion.before, *motion.now, *motion.moved);
   for (std::size_t i = 0; i < result.size(); ++i) {
     if (still[i]) result[i] = {};
   }

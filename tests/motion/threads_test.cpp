@@ -32,14 +32,12 @@ Everything everything(const image::Image& from, const image::Image& to) {
   std::vector<Vec2> points;
   for (int i = 0; i < 500; ++i) points.push_back({i * 0.61, i * 0.37});
   all.motions = point_motion(points, all.pair.forward, all.pair.consistent);
-  all.still = still_points(points, all.motions, a, b, all.pair.forward);
+  all.still = still_points(points, all.motions, a, b, warp(b, all.pair.forward));
   all.warped = warp(to, all.pair.forward).samples;
-  const CutMeasure measure = measure_change(from, to, all.pair.forward, all.pair.consistent);
   FlickerMeter meter;
   meter.add(from, to);
   meter.add(to, from, &all.pair.forward, &all.pair.consistent);
-  all.figures = {measure.histogram, measure.residual, measure.unmatched,
-                 measure.unlike,    meter.flicker(),  meter.warped_flicker()};
+  all.figures = {unlikeness(a, warp(b, all.pair.forward)), meter.flicker(), meter.warped_flicker()};
   return all;
 }
 

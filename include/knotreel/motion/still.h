@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "knotreel/base/vec2.h"
-#include "knotreel/motion/flow.h"
 #include "knotreel/motion/luma.h"
 
 namespace knotreel::motion {
@@ -23,9 +22,10 @@ struct StillOptions {
 /// for any point.
 class StillTest {
  public:
-  /// @param from, to, flow pictures of one size, and the flow from the first to the second.
+  /// @param from, to pictures of one size. @param moved the second seen from the place of the first: warp()
+  /// along the flow.
   /// @throws Error{kInvalidArgument} if sizes differ, a picture is empty or the radius is negative.
-  StillTest(const Luma& from, const Luma& to, const Flow& flow, const StillOptions& options = {});
+  StillTest(const Luma& from, const Luma& to, const Luma& moved, const StillOptions& options = {});
 
   /// Whether the pictures around a point are explained about as well by no motion as by the flow.
   /// @param p finite; outside the picture the nearest pixel counts. Thread safe.
@@ -43,7 +43,7 @@ class StillTest {
 /// @param motions displacements of the points, as from point_motion().
 /// @throws Error{kInvalidArgument} as StillTest, or if points and motions differ in number.
 std::vector<std::uint8_t> still_points(std::span<const Vec2> points, std::span<const Vec2> motions,
-                                       const Luma& from, const Luma& to, const Flow& flow,
+                                       const Luma& from, const Luma& to, const Luma& moved,
                                        const StillOptions& options = {});
 
 }  // namespace knotreel::motion

@@ -13,8 +13,9 @@ namespace knotreel::track {
 struct Motion {
   std::shared_ptr<const motion::Luma> before;
   std::shared_ptr<const motion::Luma> now;
-  motion::FlowPair flow;  ///< from the picture before to this one, and back
-  motion::CutMeasure change;
+  std::shared_ptr<const motion::Luma> moved;  ///< this picture seen from the place of the one before
+  motion::FlowPair flow;                      ///< from the picture before to this one, and back
+  double unlikeness = 0;                      ///< as motion::unlikeness()
   bool repeated = false;  ///< the pictures are equal, bit for bit; the rest may be left empty
 };
 
