@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/geometry_fit.h"
@@ -46,31 +47,67 @@ std::vector<Sample> feature_samples(const mesh::KnotMesh& mesh) {
   return samples;
 }
 
+/// How one control point of the geometry changes the Jacobian of the map at a sample.
+struct Slope {
+  std::uint32_t group;
+  double dx;
+  double dy;
+};
+
+/// Those of some samples, one after the other.
+struct Slopes {
+  std::vector<Slope> slopes;
+  std::vector<std::size_t> ends;
+};
+
+/// Calls visit(slopes) for each sample, in order.
+template <class Visit>
+void for_samples(const std::vector<Slopes>& blocks, Visit&& visit) {
+  for (const Slopes& block : blocks) {
+    std::size_t begin = 0;
+    for (const std::size_t end : block.ends) {
+      visit(std::span(block.slopes).subspan(begin, end - begin));
+      begin = end;
+    }
+  }
+}
+
+std::vector<Slopes> slopes_at(const Basis& basis, const std::vector<Sample>& samples) {
+  constexpr std::size_t kSamples = 256;
+  std::vector<Slopes> blocks((samples.size() + kSamples - 1) / kSamples);
+  parallel_for(blocks.size(), [&](std::size_t b) {
+    Slopes& block = blocks[b];
+    std::vector<BasisJet> jets;
+    for (std::size_t i = b * kSamples; i < std::min(samples.size(), (b + 1) * kSamples); ++i) {
+      basis.evaluate(samples[i].u, samples[i].direction, jets);
+      for (const BasisJet& j : jets)
+        block.slopes.push_back({basis.space().geometry_of()[j.function], j.jet.dx, j.jet.dy});
+      block.ends.push_back(block.slopes.size());
+    }
+  });
+  return blocks;
+}
+
 }  // namespace
 
 std::size_t unfold_geometry(const Basis& basis, std::vector<Vec2>& displacement) {
-  const auto& space = basis.space();
-  const std::vector<Sample> samples = feature_samples(space.mesh());
-  std::vector<std::vector<BasisJet>> jets(samples.size());
-  parallel_for(samples.size(),
-               [&](std::size_t i) { basis.evaluate(samples[i].u, samples[i].direction, jets[i]); });
+  const std::vector<Slopes> blocks = slopes_at(basis, feature_samples(basis.space().mesh()));
   std::vector<std::uint8_t> shrink(displacement.size());
   std::size_t folds = 0;
   for (int round = 0; round < kMaxRounds; ++round) {
     std::fill(shrink.begin(), shrink.end(), std::uint8_t{0});
     folds = 0;
-    for (const auto& values : jets) {
+    for_samples(blocks, [&](std::span<const Slope> slopes) {
       Vec2 by_x{1, 0};
       Vec2 by_y{0, 1};
-      for (const BasisJet& j : values) {
-        const Vec2 d = displacement[space.geometry_of()[j.function]];
-        by_x = by_x + j.jet.dx * d;
-        by_y = by_y + j.jet.dy * d;
+      for (const Slope& s : slopes) {
+        by_x = by_x + s.dx * displacement[s.group];
+        by_y = by_y + s.dy * displacement[s.group];
       }
-      if (cross(by_x, by_y) >= kLeastArea) continue;
+      if (cross(by_x, by_y) >= kLeastArea) return;
       ++folds;
-      for (const BasisJet& j : values) shrink[space.geometry_of()[j.function]] = 1;
-    }
+      for (const Slope& s : slopes) shrink[s.group] = 1;
+    });
     if (folds == 0) break;
     for (std::size_t g = 0; g < displacement.size(); ++g) {
       if (shrink[g]) displacement[g] = kShrink * displacement[g];

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstring>
 #include <limits>
 #include <numeric>
@@ -22,31 +23,52 @@ struct RowSums {
   double squared_8bit = 0;  // rounded samples, all channels
 };
 
-double rounded(float sample) {
-  return static_cast<double>(static_cast<int>(std::clamp(double{sample}, 0.0, 255.0) + 0.5));
-}
-
-RowSums sum_row(std::span<const float> a, std::span<const float> b, int channels, int colours) {
-  RowSums sums;
-  for (std::size_t i = 0; i < a.size(); i += std::size_t(channels)) {
-    double squared = 0;
-    for (std::size_t c = 0; c < std::size_t(channels); ++c) {
-      if (c < std::size_t(colours)) {
-        const double difference = double{a[i + c]} - double{b[i + c]};
-        squared += difference * difference;
-      }
-      const double difference_8bit = rounded(a[i + c]) - rounded(b[i + c]);
-      sums.squared_8bit += difference_8bit * difference_8bit;
-    }
-    sums.squared += squared;
-    sums.length += std::sqrt(squared);
-  }
-  return sums;
+[[gnu::always_inline]] inline int rounded(float sample) {
+  return static_cast<int>(std::clamp(double{sample}, 0.0, 255.0) + 0.5);
 }
 
 /// Columns side by side, for wide vectors.
 constexpr std::size_t kLanes = 8;
 using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+
+double sum_of(const Lanes& v) {
+  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+}
+
+/// Squared lengths of the colour errors of `count` pixels.
+[[gnu::always_inline]] inline void squared_errors(const float* a, const float* b, std::size_t channels,
+                                                  std::size_t colours, std::size_t count, Lanes& squared) {
+  squared = Lanes{};
+  for (std::size_t c = 0; c < colours; ++c) {
+    Lanes difference{};
+    for (std::size_t l = 0; l < count; ++l)
+      difference[l] = double{a[l * channels + c]} - double{b[l * channels + c]};
+    squared += difference * difference;
+  }
+}
+
+KNOTREEL_MULTIVERSION
+RowSums sum_row(std::span<const float> a, std::span<const float> b, std::size_t channels,
+                std::size_t colours) {
+  Lanes squared{};
+  Lanes length{};
+  const auto add = [&](std::size_t i, std::size_t count) __attribute__((always_inline)) {
+    Lanes more;
+    squared_errors(&a[i], &b[i], channels, colours, count, more);
+    squared += more;
+    for (std::size_t l = 0; l < kLanes; ++l) length[l] += std::sqrt(more[l]);
+  };
+  const std::size_t pixels = a.size() / channels;
+  const std::size_t whole = pixels / kLanes * kLanes;
+  for (std::size_t p = 0; p < whole; p += kLanes) add(p * channels, kLanes);
+  if (whole < pixels) add(whole * channels, pixels - whole);
+  std::int64_t squared_8bit = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    const int difference = rounded(a[i]) - rounded(b[i]);
+    squared_8bit += difference * difference;
+  }
+  return {sum_of(length), sum_of(squared), static_cast<double>(squared_8bit)};
+}
 
 /// One value per pixel, row-major, and room behind for a vector.
 struct Plane {
@@ -151,7 +173,8 @@ double mean_ssim(const Plane& a, const Plane& b) {
 ImageMetrics compare_same_channels(const Image& a, const Image& b) {
   std::vector<RowSums> rows(std::size_t(a.height));
   parallel_for(rows.size(), [&](std::size_t y) {
-    rows[y] = sum_row(a.row(int(y)), b.row(int(y)), a.channels, a.colour_channels());
+    rows[y] =
+        sum_row(a.row(int(y)), b.row(int(y)), std::size_t(a.channels), std::size_t(a.colour_channels()));
   });
   RowSums sums;
   for (const RowSums& row : rows) {

@@ -9,8 +9,11 @@
 namespace knotreel::pipeline {
 namespace {
 
-image::Image rendered(const document::FrameModel& model, const raster::RenderOptions& options) {
-  const raster::Renderer renderer(model, options);
+using BasisPointer = std::shared_ptr<const spline::Basis>;
+
+image::Image rendered(const document::FrameModel& model, const BasisPointer& basis,
+                      const raster::RenderOptions& options) {
+  const raster::Renderer renderer(model, basis, options);
   image::Image image = image::make_image(renderer.width(), renderer.height(), renderer.channels());
   renderer.rows(0, image.height, image.samples);
   return image;
@@ -55,13 +58,14 @@ PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo&
   writer_.emplace(video::VideoWriter::create(output.path, frames, output.options, copied));
 }
 
-void PictureOutput::draw(Message& message) const {
+void PictureOutput::draw(Message& message, const BasisPointer& basis) const {
   if (message.picture) {
-    image::Image own = rendered(message.model, {});
+    image::Image own = rendered(message.model, basis, {});
     measure(*message.picture, own, message.row);
     if (writer_ && same_size_) message.rendering = std::move(own);
   }
-  if (writer_ && message.rendering.samples.empty()) message.rendering = rendered(message.model, at_output_);
+  if (writer_ && message.rendering.samples.empty())
+    message.rendering = rendered(message.model, basis, at_output_);
   image::put_on_background(message.rendering.samples, message.rendering.channels, background_);
   message.rendering.channels = image::channels_on(background_, message.rendering.channels);
 }

@@ -21,7 +21,8 @@ class PictureOutput {
 
   /// Draws the model at the size of the output; measures it at its own size if the message has the picture.
   /// Several messages at once.
-  void draw(Message& message) const;
+  /// @param basis of the space of the model.
+  void draw(Message& message, const std::shared_ptr<const spline::Basis>& basis) const;
 
   /// Writes what was drawn; in order, one at a time.
   void write(Message& message);

@@ -48,7 +48,7 @@ class RenderStages {
     timed(failure_, "rasterize", message, [&] {
       if (message.share > 0) message.model = track::between(message.model, message.next, message.share);
       message.next = {};
-      output_.draw(message);
+      output_.draw(message, std::make_shared<const spline::Basis>(message.model.space));
       message.model = {};
     });
   }

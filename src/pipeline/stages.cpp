@@ -120,8 +120,9 @@ void Stages::write_single(const Message& message) {
 
 void Stages::rasterize(Message& message) {
   timed(failure_, "rasterize", message, [&] {
-    output_.draw(message);
-    message.row.meg = track::curve_error(message.model, motion::luma_of(*message.picture));
+    const auto basis = std::make_shared<const spline::Basis>(message.model.space);
+    output_.draw(message, basis);
+    message.row.meg = track::curve_error(message.model, *basis, motion::luma_of(*message.picture));
     beside_.compose(message);
     if (job_.watch.stored) job_.watch.stored(message.index, *message.picture, message.model);
     message.model = {};

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
@@ -33,9 +34,10 @@ std::array<Vec2, kSamples> sample_pattern() {
 }  // namespace
 
 struct Renderer::State {
-  State(const document::FrameModel& model, const RenderOptions& options)
+  State(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis,
+        const RenderOptions& options)
       : size(resolve_size(model, options)),
-        surface(model),
+        surface(model, std::move(basis)),
         trace(surface, model.space->mesh()),
         channels(static_cast<std::size_t>(model.channels)),
         antialias(options.antialias) {
@@ -174,7 +176,10 @@ void Renderer::State::reduce_row(const float* fine, int columns, float* out) con
 }
 
 Renderer::Renderer(const document::FrameModel& model, const RenderOptions& options)
-    : state_(std::make_unique<State>(model, options)) {}
+    : Renderer(model, std::make_shared<const spline::Basis>(model.space), options) {}
+Renderer::Renderer(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis,
+                   const RenderOptions& options)
+    : state_(std::make_unique<State>(model, std::move(basis), options)) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;

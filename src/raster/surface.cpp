@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "spline/tent.h"
 
@@ -19,12 +20,15 @@ Bounds joined(const Bounds& a, const Bounds& b) {
 }  // namespace
 
 Surface::Surface(const document::FrameModel& model)
+    : Surface(model, std::make_shared<const spline::Basis>(model.space)) {}
+
+Surface::Surface(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis)
     : width_(model.space->mesh().width),
       height_(model.space->mesh().height),
       channels_(kGeometryChannels + static_cast<std::size_t>(model.channels)),
       degree_(model.space->degree()),
-      basis_(model.space) {
-  const auto& set = basis_.pieces();
+      basis_(std::move(basis)) {
+  const auto& set = basis_->pieces();
   const auto geometry_of = model.space->geometry_of();
   const auto colours = static_cast<std::size_t>(model.channels);
   terms_.resize(set.terms.size());
@@ -108,7 +112,7 @@ Bounds Surface::displacement_bounds(Vec2 low, Vec2 high) const {
 Surface::Sample Surface::evaluate(Vec2 u) const {
   const Vec2 direction = spline::inward_direction(u, width_, height_);
   Sample s{};
-  for (const spline::TermIndex::Entry& e : basis_.index().at(u)) {
+  for (const spline::TermIndex::Entry& e : basis_->index().at(u)) {
     const SurfaceTerm& term = terms_[e.term];
     spline::Jet w = spline::tent_jet(term.tent, u, direction);
     if (w.value == 0 && w.dx == 0 && w.dy == 0) continue;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <memory>
 #include <span>
 #include <vector>
 
@@ -35,12 +36,14 @@ struct SurfaceTerm {
 class Surface {
  public:
   explicit Surface(const document::FrameModel& model);
+  /// @param basis of the space of the model.
+  Surface(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis);
 
   double width() const { return width_; }
   double height() const { return height_; }
   std::size_t channels() const { return channels_; }  ///< geometry included
   int degree() const { return degree_; }
-  const spline::Basis& basis() const { return basis_; }
+  const spline::Basis& basis() const { return *basis_; }
   std::span<const SurfaceTerm> terms() const { return terms_; }
 
   /// Bounds of the displacement over a box of the image: for every u whose image lies in [low, high],
@@ -67,7 +70,7 @@ class Surface {
   double height_;
   std::size_t channels_;
   int degree_;
-  spline::Basis basis_;
+  std::shared_ptr<const spline::Basis> basis_;
   std::vector<SurfaceTerm> terms_;
 
   // Displacement bounds of the terms that touch each square cell.

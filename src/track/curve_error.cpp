@@ -5,8 +5,12 @@
 namespace knotreel::track {
 
 double curve_error(const document::FrameModel& model, const motion::Luma& picture) {
+  return curve_error(model, spline::Basis(model.space), picture);
+}
+
+double curve_error(const document::FrameModel& model, const spline::Basis& basis,
+                   const motion::Luma& picture) {
   if (model.space->mesh().segments.empty()) return 0;
-  const spline::Basis basis(model.space);
   return mean_edge_distance(basis, model.displacement, picture);
 }
 

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "knotreel/document/frame_model.h"
+#include "knotreel/spline/basis.h"
 
 /// Vector model -> pixels: for each output pixel the parameter u with S_geo(u) = x is found by Newton's
 /// method, and the colour is S_col(u) (docs/algorithm.md, "rendering").
@@ -32,6 +33,9 @@ class Renderer {
  public:
   /// @throws Error{kInvalidArgument} for sizes below 1 or above 2^24, or a crop outside the picture.
   Renderer(const document::FrameModel& model, const RenderOptions& options = {});
+  /// @param basis of the space of the model, for callers who have it.
+  Renderer(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis,
+           const RenderOptions& options = {});
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;

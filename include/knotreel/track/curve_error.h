@@ -2,6 +2,7 @@
 
 #include "knotreel/document/frame_model.h"
 #include "knotreel/motion/luma.h"
+#include "knotreel/spline/basis.h"
 
 namespace knotreel::track {
 
@@ -10,5 +11,8 @@ namespace knotreel::track {
 /// count. Pixels; 0 if there are no curves.
 /// @param picture of the size of the model's domain.
 double curve_error(const document::FrameModel& model, const motion::Luma& picture);
+/// @param basis of the space of the model, for callers who have it.
+double curve_error(const document::FrameModel& model, const spline::Basis& basis,
+                   const motion::Luma& picture);
 
 }  // namespace knotreel::track
