@@ -127,6 +127,7 @@ nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
           {"scene_threshold", o.scene_threshold},
           {"drift", o.drift},
           {"look_interval", o.look_interval},
+          {"rework_interval", o.rework_interval},
           {"restart_gain", o.restart_gain}};
 }
 

@@ -13,11 +13,12 @@ struct SettleOptions {
   double least = 0.03;      ///< pixels; a knot whose steps got shorter has settled and rests
   /// So does one whose step would mend a smaller share of the mean error per knot: it would only flicker.
   double least_gain = 0.04;
-  int nap = 4;  ///< frames for which a knot that rests is not even looked at
+  int nap = 2;  ///< times that a knot that rests is not even looked at
 };
 
-/// Steps of knots against the gradient of the error, one per frame: each grows while its direction stays and
-/// shrinks when it turns, so that knots come to rest where the picture does. Knots are known by their ids.
+/// Steps of knots against the gradient of the error, one every few frames: each grows while its direction
+/// stays and shrinks when it turns, so that knots come to rest where the picture does. Knots are known by
+/// their ids.
 class Settling {
  public:
   explicit Settling(const SettleOptions& options) : options_(options) {}
@@ -38,7 +39,7 @@ class Settling {
   struct Step {
     double length = 0;
     Vec2 direction;
-    int nap = 0;  ///< frames left
+    int nap = 0;  ///< times left
   };
   SettleOptions options_;
   std::unordered_map<std::uint32_t, Step> steps_;

@@ -172,6 +172,7 @@ class Tracker::Impl {
     group_features_ = feature_length(space_->mesh());
     vain_ = 0;
     since_births_ = 0;
+    since_rework_ = options_.rework_interval;
     since_look_ = 0;
     has_new_features_ = false;
     next_id_ = EditableMesh(space_->mesh()).next_id();
@@ -393,12 +394,18 @@ class Tracker::Impl {
     }
   }
 
-  /// The mesh that the next frame starts from: knots go a step against the gradient of the error, and those
-  /// that are lost or idle come back where the error is.
-  /// @param urgent the error has risen.
+  /// The mesh that the next frame starts from. Once in a while knots go a step against the gradient of the
+  /// error, and those that are lost or idle come back where the error is.
+  /// @param urgent the error has risen: at once, for this frame.
   void prepare_next(const image::Image& picture, bool urgent) {
     next_mesh_ = space_->mesh();
     if (!options_.warm_start) return;
+    if (!urgent) {
+      grow_group();
+      ++since_births_;
+      if (++since_rework_ < options_.rework_interval) return;
+      since_rework_ = 0;
+    }
     const std::vector<float> errors = squared_errors();
     if (options_.settle) {
       if (urgent) settling_.wake();
@@ -426,7 +433,7 @@ class Tracker::Impl {
   std::vector<KnotIndex> add_features(const image::Image& picture, std::span<const float> errors,
                                       EditableMesh& mesh) {
     std::vector<KnotIndex> born;
-    if (!cold_.features || options_.birth_interval < 1 || ++since_births_ < options_.birth_interval)
+    if (!cold_.features || options_.birth_interval < 1 || since_births_ < options_.birth_interval)
       return born;
     since_births_ = 0;
     const double least = kLeastShare * cold_.feature_share * static_cast<double>(group_functions_);
@@ -454,7 +461,6 @@ class Tracker::Impl {
   /// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.
   void refill(const image::Image& picture, std::span<const float> errors, bool urgent, EditableMesh& mesh,
               const std::vector<KnotIndex>& born, double born_functions) {
-    if (!urgent) grow_group();  // once per frame
     const double functions = static_cast<double>(space_->function_count());
     const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
     const double missing = (static_cast<double>(group_functions_) - functions - born_functions) / per_knot;
@@ -535,6 +541,7 @@ class Tracker::Impl {
   int vain_ = 0;                   ///< cold frames of this group that were no better
   double group_features_ = 0;      ///< length of the feature polylines at its start, pixels
   int since_births_ = 0;           ///< frames
+  int since_rework_ = 0;           ///< frames
   int since_look_ = 0;             ///< frames
   bool has_new_features_ = false;  ///< that were never bent to their edges
 };

@@ -6,6 +6,7 @@
 
 #include <cmath>
 #include <map>
+#include <random>
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
@@ -243,6 +244,28 @@ TEST(Tracker, AFrameIsMadeAnewWhenThatPromisesMoreThoughNothingFell) {
   for (std::size_t i = 1; i < 8; ++i) EXPECT_EQ(never.reports[i].start, Start::kWarm) << i;
 }
 
+TEST(Tracker, BetweenReworksKnotsOnlyFollowTheMotion) {
+  // A picture at rest without features: knots would still go where the noise is.
+  std::vector<image::Image> pictures;
+  for (unsigned i = 0; i < 7; ++i) {
+    pictures.push_back(scene(-100, -100));
+    std::mt19937 random(i);
+    for (float& sample : pictures.back().samples) sample += static_cast<float>(random() % 13) - 6;
+  }
+  const auto positions = [](const document::FrameModel& model) {
+    std::vector<Vec2> result;
+    for (const mesh::Knot& k : model.space->mesh().knots) result.push_back(k.position);
+    return result;
+  };
+  const Tracked run = track(pictures, {.rework_interval = 3}, 0);
+  for (std::size_t i = 1; i < pictures.size(); ++i) {
+    EXPECT_EQ(run.reports[i].repairs, 0);
+    // The cold frame is reworked, and so is every third after it: their mesh is that of the frame after.
+    const bool reworked = i % 3 == 1;
+    EXPECT_EQ(positions(run.models[i]) != positions(run.models[i - 1]), reworked) << i;
+  }
+}
+
 TEST(Tracker, NeighboursOfNewKnotsMoveOnlyWhereMuchIsNew) {
   const std::vector<image::Image> pictures = moving(5);
   const Tracked never = track(pictures, {.much_new = 1}, 0);
@@ -301,6 +324,7 @@ TEST(Tracker, IdsAreNotUsedAgain) {
 TEST(Tracker, WrongOptionsAreRefused) {
   EXPECT_THROW(Tracker({}, {.keyframe_interval = 0}), Error);
   EXPECT_THROW(Tracker({}, {.look_interval = 0}), Error);
+  EXPECT_THROW(Tracker({}, {.rework_interval = 0}), Error);
 }
 
 }  // namespace

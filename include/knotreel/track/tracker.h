@@ -26,11 +26,14 @@ struct TrackOptions {
   /// While the MEC is above the one asked for, a cold frame is considered when the fit is this many dB worse
   /// than when that was done last, or at the start of the group ...
   double drift = 1.5;
-  int look_interval = 16;         ///< ... and when so many frames have gone by, 1 or more
-  double restart_gain = 1.0;      ///< it is made if it promises to be better by so many dB, and kept if it is
-  double grow_above = 1.1;        ///< times the MEC asked for: frames above it are followed by ones with ...
-  double growth = 0.05;           ///< ... this share more of control points, as long as the bound leaves room
-  bool settle = true;             ///< whether knots go on descending on the true residual, a step per frame
+  int look_interval = 16;     ///< ... and when so many frames have gone by, 1 or more
+  double restart_gain = 1.0;  ///< it is made if it promises to be better by so many dB, and kept if it is
+  double grow_above = 1.1;    ///< times the MEC asked for: frames above it are followed by ones with ...
+  double growth = 0.05;       ///< ... this share more of control points, as long as the bound leaves room
+  /// Every so many frames, 1 or more, knots settle, and idle and lost ones come back elsewhere; in between
+  /// they only follow the motion.
+  int rework_interval = 2;
+  bool settle = true;             ///< whether knots go on descending on the true residual, a step each time
   bool optimise_inserted = true;  ///< whether new knots are moved to where the picture wants them ...
   double much_new = 0.08;         ///< ... with their neighbours, if they are more than this share of all
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
