@@ -1,12 +1,13 @@
 #include "knotreel/knots/refine.h"
 
-#include "knotreel/knots/place.h"
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <numeric>
 #include <optional>
+
+#include "knotreel/base/parallel.h"
+#include "knotreel/knots/place.h"
 
 namespace knotreel::knots {
 
@@ -110,8 +111,9 @@ std::vector<Candidate> best_by_face(const ErrorMap& errors, const std::vector<st
 std::vector<FaceIndex> faces_of_pixels(const EditableMesh& mesh, std::span<const Vec2> places, int width,
                                        int height) {
   std::vector<FaceIndex> by_centre(std::size_t(width) * std::size_t(height), 0);
-  for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
-    if (!mesh.is_face(f)) continue;
+  parallel_for(mesh.face_slots(), [&](std::size_t face) {
+    const auto f = static_cast<FaceIndex>(face);
+    if (!mesh.is_face(f)) return;
     const TriangleRows rows(mesh.triangle(f), width, height);
     for (int y = rows.first(); y < rows.last(); ++y) {
       int begin = 0;
@@ -119,14 +121,16 @@ std::vector<FaceIndex> faces_of_pixels(const EditableMesh& mesh, std::span<const
       rows.columns(y, begin, end);
       for (int x = begin; x < end; ++x) by_centre[std::size_t(y) * std::size_t(width) + std::size_t(x)] = f;
     }
-  }
+  });
   if (places.empty()) return by_centre;
   std::vector<FaceIndex> result(by_centre.size());
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    const int x = std::clamp(static_cast<int>(places[i].x), 0, width - 1);
-    const int y = std::clamp(static_cast<int>(places[i].y), 0, height - 1);
-    result[i] = by_centre[std::size_t(y) * std::size_t(width) + std::size_t(x)];
-  }
+  parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
+    for (std::size_t i = row * std::size_t(width); i < (row + 1) * std::size_t(width); ++i) {
+      const int x = std::clamp(static_cast<int>(places[i].x), 0, width - 1);
+      const int y = std::clamp(static_cast<int>(places[i].y), 0, height - 1);
+      result[i] = by_centre[std::size_t(y) * std::size_t(width) + std::size_t(x)];
+    }
+  });
   return result;
 }
 

@@ -51,8 +51,9 @@ std::vector<Candidate> by_cost(const EditableMesh& mesh, const knots::Target& ta
 std::vector<double> sorted_face_errors(const EditableMesh& mesh, std::span<const float> squared_errors,
                                        int width, int height) {
   std::vector<double> sums(mesh.face_slots(), 0);
-  for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
-    if (!mesh.is_face(f)) continue;
+  parallel_for(sums.size(), [&](std::size_t face) {
+    const auto f = static_cast<FaceIndex>(face);
+    if (!mesh.is_face(f)) return;
     const knots::TriangleRows rows(mesh.triangle(f), width, height);
     double sum = 0;
     for (int y = rows.first(); y < rows.last(); ++y) {
@@ -63,7 +64,7 @@ std::vector<double> sorted_face_errors(const EditableMesh& mesh, std::span<const
       for (int x = begin; x < end; ++x) sum += static_cast<double>(row[x]);
     }
     sums[f] = sum;
-  }
+  });
   std::sort(sums.rbegin(), sums.rend());
   return sums;
 }

@@ -1,28 +1,58 @@
 #include "track/quality.h"
 
+#include <algorithm>
 #include <cmath>
+#include <vector>
+
+#include "knotreel/base/parallel.h"
 
 namespace knotreel::track {
 
-Quality quality_of(std::span<const float> residual, std::span<const float> weights, int channel_count) {
-  const auto channels = static_cast<std::size_t>(channel_count);
+namespace {
+
+constexpr std::size_t kBlock = 8192;  // pixels with a sum of their own
+
+struct Sums {
   double length = 0;
   double squares = 0;
   std::size_t count = 0;
-  for (std::size_t i = 0; i < residual.size() / channels; ++i) {
+};
+
+Sums sums_of(std::span<const float> residual, std::span<const float> weights, std::size_t channels,
+             std::size_t begin, std::size_t end) {
+  Sums sums;
+  for (std::size_t i = begin; i < end; ++i) {
     if (!weights.empty() && weights[i] < 1) continue;
     double squared = 0;
     for (std::size_t c = 0; c < channels; ++c) {
       const double d = static_cast<double>(residual[i * channels + c]);
       squared += d * d;
     }
-    length += std::sqrt(squared);
-    squares += squared;
-    ++count;
+    sums.length += std::sqrt(squared);
+    sums.squares += squared;
+    ++sums.count;
   }
-  if (count == 0) return {};
-  const double n = static_cast<double>(count);
-  return {length / n, 10 * std::log10(255.0 * 255.0 * n * static_cast<double>(channels) / squares)};
+  return sums;
+}
+
+}  // namespace
+
+Quality quality_of(std::span<const float> residual, std::span<const float> weights, int channel_count) {
+  const auto channels = static_cast<std::size_t>(channel_count);
+  const std::size_t pixels = residual.size() / channels;
+  std::vector<Sums> blocks((pixels + kBlock - 1) / kBlock);
+  parallel_for(blocks.size(), [&](std::size_t b) {
+    blocks[b] = sums_of(residual, weights, channels, b * kBlock, std::min(pixels, (b + 1) * kBlock));
+  });
+  Sums sums;
+  for (const Sums& block : blocks) {
+    sums.length += block.length;
+    sums.squares += block.squares;
+    sums.count += block.count;
+  }
+  if (sums.count == 0) return {};
+  const double n = static_cast<double>(sums.count);
+  return {sums.length / n, 10 * std::log10(255.0 * 255.0 * n * static_cast<double>(channels) / sums.squares)};
 }
 
 }  // namespace knotreel::track

@@ -485,12 +485,15 @@ class Tracker::Impl {
     const auto channels = static_cast<std::size_t>(seen_.picture.channels);
     const std::vector<float>& residual = colours_.residual;
     std::vector<float> squared(residual.size() / channels);
-    for (std::size_t i = 0; i < squared.size(); ++i) {
-      float sum = 0;
-      for (std::size_t c = 0; c < channels; ++c)
-        sum += residual[i * channels + c] * residual[i * channels + c];
-      squared[i] = seen_.weights.empty() || seen_.weights[i] >= 1 ? sum : 0;
-    }
+    const auto width = static_cast<std::size_t>(seen_.picture.width);
+    parallel_for(squared.size() / width, [&](std::size_t row) {
+      for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
+        float sum = 0;
+        for (std::size_t c = 0; c < channels; ++c)
+          sum += residual[i * channels + c] * residual[i * channels + c];
+        squared[i] = seen_.weights.empty() || seen_.weights[i] >= 1 ? sum : 0;
+      }
+    });
     return squared;
   }
 
