@@ -13,7 +13,7 @@ using BasisPointer = std::shared_ptr<const spline::Basis>;
 
 image::Image rendered(const document::FrameModel& model, const BasisPointer& basis,
                       const raster::RenderOptions& options) {
-  const raster::Renderer renderer(model, basis, options);
+  const raster::Renderer renderer(model, options, basis);
   image::Image image = image::make_image(renderer.width(), renderer.height(), renderer.channels());
   renderer.rows(0, image.height, image.samples);
   return image;

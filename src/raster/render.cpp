@@ -34,8 +34,8 @@ std::array<Vec2, kSamples> sample_pattern() {
 }  // namespace
 
 struct Renderer::State {
-  State(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis,
-        const RenderOptions& options)
+  State(const document::FrameModel& model, const RenderOptions& options,
+        std::shared_ptr<const spline::Basis> basis)
       : size(resolve_size(model, options)),
         surface(model, std::move(basis)),
         trace(surface, model.space->mesh()),
@@ -176,10 +176,10 @@ void Renderer::State::reduce_row(const float* fine, int columns, float* out) con
 }
 
 Renderer::Renderer(const document::FrameModel& model, const RenderOptions& options)
-    : Renderer(model, std::make_shared<const spline::Basis>(model.space), options) {}
-Renderer::Renderer(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis,
-                   const RenderOptions& options)
-    : state_(std::make_unique<State>(model, std::move(basis), options)) {}
+    : Renderer(model, options, std::make_shared<const spline::Basis>(model.space)) {}
+Renderer::Renderer(const document::FrameModel& model, const RenderOptions& options,
+                   std::shared_ptr<const spline::Basis> basis)
+    : state_(std::make_unique<State>(model, options, std::move(basis))) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;

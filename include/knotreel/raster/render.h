@@ -34,8 +34,8 @@ class Renderer {
   /// @throws Error{kInvalidArgument} for sizes below 1 or above 2^24, or a crop outside the picture.
   Renderer(const document::FrameModel& model, const RenderOptions& options = {});
   /// @param basis of the space of the model, for callers who have it.
-  Renderer(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis,
-           const RenderOptions& options = {});
+  Renderer(const document::FrameModel& model, const RenderOptions& options,
+           std::shared_ptr<const spline::Basis> basis);
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
