@@ -2,6 +2,9 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+#include <random>
+
 #include "knotreel/base/error.h"
 #include "motion/scenes.h"
 
@@ -114,6 +117,30 @@ TEST(Consistent, LongerVectorsMayBeOffByMore) {
   const Flow backward = constant_flow(40, 40, {-11.4, 0});
   EXPECT_EQ(consistent(forward, backward)[0], 1);
   EXPECT_EQ(consistent(forward, backward, 1.0, 0.0)[0], 0);
+}
+
+TEST(Consistent, IsWhatLookingUpEveryPixelOnItsOwnSays) {
+  const auto random_flow = [](unsigned seed) {
+    Flow flow = testing::constant_flow(67, 41, {});
+    std::mt19937 random(seed);
+    for (float& v : flow.xy) v = static_cast<float>(random() % 1200) / 100 - 6;
+    return flow;
+  };
+  const Flow there = random_flow(1);
+  const Flow back = random_flow(2);
+  const std::vector<std::uint8_t> found = consistent(there, back, 3, 0.2);
+  int count = 0;
+  for (std::size_t i = 0; i < found.size(); ++i) {
+    const Vec2 d{double{there.xy[2 * i]}, double{there.xy[2 * i + 1]}};
+    const Vec2 p = Vec2{double(i % 67) + 0.5, double(i / 67) + 0.5} + d;
+    const double room = 3 + 0.2 * norm(d) - norm(d + back.at(p));
+    const bool inside = p.x >= 0 && p.y >= 0 && p.x <= 67 && p.y <= 41;
+    if (std::abs(room) > 1e-4) {
+      EXPECT_EQ(found[i] != 0, inside && room > 0) << i;
+    }
+    count += found[i];
+  }
+  EXPECT_GT(count, 200);
 }
 
 TEST(Consistent, RejectsWhatAPatchCovers) {
