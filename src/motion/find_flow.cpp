@@ -32,9 +32,9 @@ cv::Ptr<cv::DISOpticalFlow> make_search(FlowOptions::Effort effort) {
   search->setUseSpatialPropagation(true);
   if (effort == FlowOptions::Effort::kExact) {
     // Half of the size is what makes the flow exact; the rest of the preset hardly matters to knots.
-    search->setPatchStride(4);
+    search->setPatchStride(5);
     search->setGradientDescentIterations(8);
-    search->setVariationalRefinementIterations(2);
+    search->setVariationalRefinementIterations(1);
   }
   return search;
 }
