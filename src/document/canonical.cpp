@@ -56,6 +56,12 @@ bool same_numbering(const mesh::KnotMesh& given, const CanonicalMesh& numbering)
                     [](const auto& x, const auto& y) { return x.knots == y.knots; });
 }
 
+bool same_knots(const mesh::KnotMesh& a, const mesh::KnotMesh& b) {
+  return std::ranges::equal(a.knots, b.knots, [](const mesh::Knot& x, const mesh::Knot& y) {
+    return x.position == y.position && x.kind == y.kind && x.id == y.id;
+  });
+}
+
 }  // namespace
 
 CanonicalMesh canonical_mesh(const mesh::KnotMesh& mesh) {
@@ -103,19 +109,20 @@ std::vector<CornerIndex> corner_map(const mesh::CutMesh& given, const mesh::CutM
   return map;
 }
 
-std::shared_ptr<const spline::SplineSpace> canonical_space(const spline::SplineSpace& given,
-                                                           mesh::KnotMesh mesh,
-                                                           const CanonicalMesh& numbering) {
-  if (same_numbering(given.mesh(), numbering)) {
+std::shared_ptr<const spline::SplineSpace> canonical_space(
+    const std::shared_ptr<const spline::SplineSpace>& given, mesh::KnotMesh mesh,
+    const CanonicalMesh& numbering) {
+  if (same_numbering(given->mesh(), numbering)) {
+    if (same_knots(given->mesh(), mesh)) return given;
     return std::make_shared<spline::SplineSpace>(
-        spline::SplineSpace::from_link_codes(std::move(mesh), given.degree(), given.link_codes()));
+        spline::SplineSpace::from_link_codes(std::move(mesh), given->degree(), given->link_codes()));
   }
   const mesh::CutMesh cut = mesh::cut_open(mesh);
-  const spline::NamedLinks links(given, corner_map(given.cut(), cut, numbering));
+  const spline::NamedLinks links(*given, corner_map(given->cut(), cut, numbering));
   std::vector<CornerIndex> own_names(cut.corners.size());
   std::iota(own_names.begin(), own_names.end(), 0u);
   return std::make_shared<spline::SplineSpace>(
-      std::move(mesh), given.degree(), [&](const spline::LinkPolygon& polygon, auto& codes) {
+      std::move(mesh), given->degree(), [&](const spline::LinkPolygon& polygon, auto& codes) {
         auto triangles = links.find(polygon, own_names);
         // At degree 3, the link of two multiple corners can depend on the numbering: choose anew.
         if (triangles.empty()) triangles = spline::triangulate_polygon(polygon.positions);
@@ -126,6 +133,12 @@ std::shared_ptr<const spline::SplineSpace> canonical_space(const spline::SplineS
 std::vector<FunctionIndex> function_map(const spline::SplineSpace& given,
                                         const spline::SplineSpace& canonical,
                                         const CanonicalMesh& numbering) {
+  std::vector<FunctionIndex> map;
+  if (&given == &canonical) {
+    map.resize(given.function_count());
+    std::iota(map.begin(), map.end(), FunctionIndex{0});
+    return map;
+  }
   const auto to_canonical = corner_map(given.cut(), canonical.cut(), numbering);
   std::vector<std::pair<std::array<CornerIndex, 3>, FunctionIndex>> mapped;
   mapped.reserve(given.function_count());
@@ -138,7 +151,6 @@ std::vector<FunctionIndex> function_map(const spline::SplineSpace& given,
     mapped.emplace_back(knots, f);
   }
   std::sort(mapped.begin(), mapped.end());
-  std::vector<FunctionIndex> map;
   for (const auto& [knots, f] : mapped) map.push_back(f);
   const bool same =
       std::equal(mapped.begin(), mapped.end(), canonical.functions().begin(), canonical.functions().end(),

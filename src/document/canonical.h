@@ -28,10 +28,10 @@ std::vector<mesh::CornerIndex> corner_map(const mesh::CutMesh& given, const mesh
                                           const CanonicalMesh& numbering);
 
 /// The space over the canonical mesh `mesh` (whose positions may have been quantised) with the link
-/// triangulations of `given`.
-std::shared_ptr<const spline::SplineSpace> canonical_space(const spline::SplineSpace& given,
-                                                           mesh::KnotMesh mesh,
-                                                           const CanonicalMesh& numbering);
+/// triangulations of `given`; `given` itself if it is that.
+std::shared_ptr<const spline::SplineSpace> canonical_space(
+    const std::shared_ptr<const spline::SplineSpace>& given, mesh::KnotMesh mesh,
+    const CanonicalMesh& numbering);
 
 /// Function of the canonical space -> function of the given one.
 /// @throws Error{kInternal} if the spaces do not correspond.

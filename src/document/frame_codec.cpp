@@ -122,7 +122,7 @@ FrameState to_state(const FrameModel& model, const FrameState* before, const For
     if (!before && options.rename_knots) {
       for (std::uint32_t k = 0; k < mesh.knots.size(); ++k) mesh.knots[k].id = KnotId{k};
     }
-    state.space = canonical_space(*model.space, std::move(mesh), numbering);
+    state.space = canonical_space(model.space, std::move(mesh), numbering);
     quantise_controls(state, model, format, function_map(*model.space, *state.space, numbering));
   } catch (const Malformed& e) {
     throw Error(ErrorKind::kInvalidArgument, std::string("cannot store a frame: ") + e.what());

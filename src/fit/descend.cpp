@@ -22,8 +22,8 @@ struct Guard {
 
 class Guards {
  public:
-  Guards(const spline::SplineSpace& space, double min_distance) : at_rest_(space.mesh().knots.size()) {
-    const auto& mesh = space.mesh();
+  Guards(const spline::SplineSpace& space, const KnotMesh& mesh, double min_distance)
+      : at_rest_(mesh.knots.size()) {
     for (const mesh::Face& f : mesh.faces) add(mesh, f, 0.25 * min_distance);
     for (const spline::Config& c : space.configs()) {
       const auto knot = [&](std::size_t i) { return space.cut().corners[c.triangle[i]].knot; };
@@ -74,28 +74,6 @@ class Guards {
   std::vector<Guard> guards_;
 };
 
-/// Where the moves take the knots; those on a side or a segment exactly on it.
-std::vector<Vec2> moved_positions(const KnotMesh& mesh, const std::vector<Vec2>& moves) {
-  std::vector<Vec2> positions(mesh.knots.size());
-  for (KnotIndex k = 0; k < positions.size(); ++k) {
-    const Vec2 old = mesh.knots[k].position;
-    Vec2& p = positions[k];
-    p = old + moves[k];
-    if (mesh.knots[k].kind != KnotKind::kBorder) continue;
-    if (old.x == 0 || old.x == mesh.width) p.x = old.x;
-    if (old.y == 0 || old.y == mesh.height) p.y = old.y;
-  }
-  for (const mesh::FeatureSegment& s : mesh.segments) {
-    const Vec2 from = mesh.knots[s.knots.front()].position;
-    const Vec2 along = mesh.knots[s.knots.back()].position - from;
-    for (std::size_t i = 1; i + 1 < s.knots.size(); ++i) {
-      Vec2& p = positions[s.knots[i]];
-      p = from + (dot(p - from, along) / dot(along, along)) * along;
-    }
-  }
-  return positions;
-}
-
 // Factors of a step while the gradient of its knot keeps its direction, and when it turns.
 constexpr double kGrow = 1.2;
 constexpr double kShrink = 0.6;
@@ -135,8 +113,30 @@ std::unique_ptr<const spline::PixelValues> pixel_values(const spline::Basis& bas
 
 }  // namespace
 
-void limit_moves(const spline::SplineSpace& space, double min_distance, std::vector<Vec2>& moves) {
-  Guards(space, min_distance).limit(space.mesh(), moves);
+std::vector<Vec2> moved_positions(const mesh::KnotMesh& mesh, const std::vector<Vec2>& moves) {
+  std::vector<Vec2> positions(mesh.knots.size());
+  for (KnotIndex k = 0; k < positions.size(); ++k) {
+    const Vec2 old = mesh.knots[k].position;
+    Vec2& p = positions[k];
+    p = old + moves[k];
+    if (mesh.knots[k].kind != KnotKind::kBorder) continue;
+    if (old.x == 0 || old.x == mesh.width) p.x = old.x;
+    if (old.y == 0 || old.y == mesh.height) p.y = old.y;
+  }
+  for (const mesh::FeatureSegment& s : mesh.segments) {
+    const Vec2 from = mesh.knots[s.knots.front()].position;
+    const Vec2 along = mesh.knots[s.knots.back()].position - from;
+    for (std::size_t i = 1; i + 1 < s.knots.size(); ++i) {
+      Vec2& p = positions[s.knots[i]];
+      p = from + (dot(p - from, along) / dot(along, along)) * along;
+    }
+  }
+  return positions;
+}
+
+void limit_moves(const spline::SplineSpace& space, const mesh::KnotMesh& mesh, double min_distance,
+                 std::vector<Vec2>& moves) {
+  Guards(space, mesh, min_distance).limit(mesh, moves);
 }
 
 ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options) {
@@ -149,7 +149,7 @@ ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOp
     if (options.on_step) options.on_step();
     const KnotMesh& mesh = at.space->mesh();
     std::vector<Vec2> moves = steps.moves(knot_gradient(*values, pixels, at.fit), mesh::shortest_edges(mesh));
-    limit_moves(*at.space, options.min_distance, moves);
+    limit_moves(*at.space, mesh, options.min_distance, moves);
     at.space = std::make_shared<const spline::SplineSpace>(at.space->moved(moved_positions(mesh, moves)));
     basis = std::make_unique<const spline::Basis>(at.space);
     values = pixel_values(*basis, pixels);

@@ -89,6 +89,7 @@ void Stages::model(Message& message) {
     track::FrameReport report;
     track::Tracker& tracker = message.stretch->tracker;
     message.model = tracker.next(*message.picture, message.motion.get(), &report, std::move(message.cold));
+    message.basis = tracker.basis();
     message.motion.reset();
     message.stretch.reset();
     message.model.frame = message.index;
@@ -106,6 +107,7 @@ void Stages::documents(Message& message) {
     if (!job_.split_folder.empty()) write_single(message);
     const std::uint64_t before = document_.bytes();
     message.model = document_.append(message.model);
+    if (&message.basis->space() != message.model.space.get()) message.basis.reset();
     message.row.bytes = document_.bytes() - before;
   });
 }
@@ -120,12 +122,13 @@ void Stages::write_single(const Message& message) {
 
 void Stages::rasterize(Message& message) {
   timed(failure_, "rasterize", message, [&] {
-    const auto basis = std::make_shared<const spline::Basis>(message.model.space);
-    output_.draw(message, basis);
-    message.row.meg = track::curve_error(message.model, *basis, motion::luma_of(*message.picture));
+    if (!message.basis) message.basis = std::make_shared<const spline::Basis>(message.model.space);
+    output_.draw(message, message.basis);
+    message.row.meg = track::curve_error(message.model, *message.basis, motion::luma_of(*message.picture));
     beside_.compose(message);
     if (job_.watch.stored) job_.watch.stored(message.index, *message.picture, message.model);
     message.model = {};
+    message.basis.reset();
     message.picture.reset();
   });
 }

@@ -10,6 +10,7 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
+#include "knotreel/document/stored_mesh.h"
 #include "knotreel/fit/descend.h"
 #include "knotreel/fit/knot_gradient.h"
 #include "knotreel/knots/refine.h"
@@ -138,6 +139,8 @@ class Tracker::Impl {
     return model(picture, report.start != Start::kWarm);
   }
 
+  std::shared_ptr<const spline::Basis> basis() const { return basis_; }
+
  private:
   void lap(const char* stage) {
     const auto now = std::chrono::steady_clock::now();
@@ -150,6 +153,7 @@ class Tracker::Impl {
 
   void take_over(ColdFrame&& cold) {
     space_ = std::move(cold.space);
+    mesh_ = space_->mesh();
     displacement_ = std::move(cold.displacement);
     basis_ = std::move(cold.basis);
     values_.reset();
@@ -225,7 +229,7 @@ class Tracker::Impl {
                     [&] {
                       make_target(picture);
                       links.emplace(*space_);
-                      errors_before.emplace(space_->mesh(), *target_before);
+                      errors_before.emplace(mesh_, *target_before);
                     });
     lap("carry");
     carried = refilled(carried, *errors_before);
@@ -326,14 +330,18 @@ class Tracker::Impl {
   /// The space over a mesh that comes from the one there is, whose links are given. How many functions knots
   /// bring changes with their links: the idlest go until the bound on control points holds.
   void take_over(const KnotMesh& mesh, const LinkMemory& links) {
-    const auto over = [&](KnotMesh knots) {
+    const auto over = [&](const KnotMesh& knots) {
+      document::StoredMesh stored = document::stored_mesh(knots, options_.knot_bits);
+      mesh_ = stored.mesh;
+      for (std::size_t k = 0; k < stored.knot_of.size(); ++k)
+        mesh_.knots[k].position = knots.knots[stored.knot_of[k]].position;
       return std::make_shared<const spline::SplineSpace>(
-          links.space_over(std::move(knots), cold_.degree, *target_));
+          links.space_over(std::move(stored.mesh), cold_.degree, *target_));
     };
     std::shared_ptr<const spline::SplineSpace> space = over(mesh);
     while (space->function_count() > most_functions_) {
       const std::size_t surplus = (space->function_count() - most_functions_) / 2 + kBoundMargin;
-      EditableMesh fewer(space->mesh(), next_id_);
+      EditableMesh fewer(mesh_, next_id_);
       if (remove_idle_knots(fewer, *target_, {}, {}, surplus) == 0) break;
       space = over(fewer.to_mesh());
     }
@@ -398,7 +406,7 @@ class Tracker::Impl {
   /// error, and those that are lost or idle come back where the error is.
   /// @param urgent the error has risen: at once, for this frame.
   void prepare_next(const image::Image& picture, bool urgent) {
-    next_mesh_ = space_->mesh();
+    next_mesh_ = mesh_;
     if (!options_.warm_start) return;
     if (!urgent) {
       grow_group();
@@ -412,10 +420,9 @@ class Tracker::Impl {
       std::vector<Vec2> moves = settling_.moves(
           next_mesh_, fit::knot_gradient(values(), seen_.view(), colours_, settling_.awake(next_mesh_)),
           std::accumulate(errors.begin(), errors.end(), 0.0));
-      fit::limit_moves(*space_, options_.carry.min_distance, moves);
-      for (std::size_t k = 0; k < moves.size(); ++k) {
-        next_mesh_.knots[k].position = next_mesh_.knots[k].position + moves[k];
-      }
+      fit::limit_moves(*space_, mesh_, options_.carry.min_distance, moves);
+      const std::vector<Vec2> moved = fit::moved_positions(next_mesh_, moves);
+      for (std::size_t k = 0; k < moved.size(); ++k) next_mesh_.knots[k].position = moved[k];
     }
     lap("settle");
     EditableMesh mesh(next_mesh_, next_id_);
@@ -519,6 +526,9 @@ class Tracker::Impl {
   fit::ColourFit colours_;                             ///< the residual is that of seen_
   std::shared_ptr<const spline::Basis> basis_;         ///< of space_
   std::unique_ptr<const spline::PixelValues> values_;  ///< of basis_ at the places of seen_
+  /// Of space_, but with the knots where they are before they are rounded to the grid: motion of less than
+  /// a step of it is not lost.
+  KnotMesh mesh_;
   KnotMesh next_mesh_;
   struct {
     std::shared_ptr<const spline::SplineSpace> space;
@@ -554,6 +564,10 @@ Tracker::Tracker(const vectorize::Options& cold, const TrackOptions& options, St
 Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
+
+std::shared_ptr<const spline::Basis> Tracker::basis() const {
+  return impl_->basis();
+}
 
 document::FrameModel Tracker::next(const image::Image& picture, const Motion* motion, FrameReport* report,
                                    std::shared_ptr<ColdFrame> cold) {

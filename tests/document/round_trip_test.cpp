@@ -6,6 +6,7 @@
 #include "document/sample_models.h"
 #include "knotreel/base/error.h"
 #include "knotreel/document/reader.h"
+#include "knotreel/document/stored_mesh.h"
 #include "knotreel/document/writer.h"
 #include "support/mesh_cases.h"
 
@@ -47,6 +48,30 @@ TEST(Document, ReadsBackBitByBitWhatAppendReturned) {
       EXPECT_EQ(reader.info(), testing::info_of(model));
       ASSERT_EQ(reader.frame_count(), 1u);
       ASSERT_EQ(difference(reader.read(0), stored), "");
+    }
+  }
+}
+
+TEST(Document, AModelOverAStoredMeshIsStoredWithTheSpaceItHas) {
+  constexpr int kBits = 5;
+  for (const testing::MeshCase& c : all_cases()) {
+    SCOPED_TRACE(c.to_text());
+    const document::StoredMesh stored = document::stored_mesh(c.mesh, kBits);
+    ASSERT_EQ(mesh::find_defect(stored.mesh), std::nullopt);
+    ASSERT_EQ(stored.knot_of.size(), c.mesh.knots.size());
+    for (std::size_t k = 0; k < stored.knot_of.size(); ++k) {
+      const mesh::Knot& given = c.mesh.knots[stored.knot_of[k]];
+      EXPECT_EQ(stored.mesh.knots[k].id, given.id);
+      EXPECT_EQ(stored.mesh.knots[k].kind, given.kind);
+      EXPECT_LE(norm(stored.mesh.knots[k].position - given.position), std::ldexp(1.5, -kBits));
+    }
+    for (int degree = 1; degree <= 3; ++degree) {
+      const FrameModel model = testing::random_model(stored.mesh, degree, 3, kSeed, degree % 2 == 0);
+      std::ostringstream out;
+      document::Writer writer(out, testing::info_of(model), {.knot_bits = kBits});
+      ASSERT_EQ(writer.append(model).space, model.space);
+      document::Writer finer(out, testing::info_of(model), {.knot_bits = kBits + 2});
+      ASSERT_EQ(finer.append(model).space, model.space);
     }
   }
 }

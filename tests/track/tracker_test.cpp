@@ -6,10 +6,13 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 #include <random>
+#include <sstream>
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
+#include "knotreel/document/writer.h"
 #include "knotreel/vectorize/vectorize.h"
 
 namespace knotreel::track {
@@ -82,6 +85,68 @@ TEST(Tracker, FramesAreWarmAndGood) {
                 0.15 * double(run.reports[0].control_points));
   }
   EXPECT_LT(warm_error, 1.2 * cold_error);
+}
+
+/// What is drawn is what was fitted, and the graph has no space and no basis to make anew.
+TEST(Tracker, WarmFramesAreStoredWithTheSpaceThatTheyHave) {
+  const std::vector<image::Image> pictures = moving(4);
+  vectorize::Options cold;
+  cold.max_control_points = 400;
+  Tracker tracker(cold, {});
+  std::ostringstream out;
+  document::SequenceInfo info;
+  info.width = pictures[0].width;
+  info.height = pictures[0].height;
+  document::Writer writer(out, info);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    std::optional<Motion> motion;
+    if (i > 0) motion = motion_between(pictures[i - 1], pictures[i]);
+    document::FrameModel model = tracker.next(pictures[i], motion ? &*motion : nullptr);
+    model.frame = i;
+    model.pts = static_cast<std::int64_t>(i);
+    EXPECT_EQ(&tracker.basis()->space(), model.space.get());
+    const document::FrameModel stored = writer.append(model);
+    if (i > 0) {
+      EXPECT_EQ(stored.space, model.space) << i;
+    }
+  }
+}
+
+/// Waves that have gone x pixels to the right.
+image::Image waves(double x) {
+  image::Image image = image::make_image(96, 72, 1);
+  for (int j = 0; j < image.height; ++j) {
+    for (int i = 0; i < image.width; ++i) {
+      const double u = i - x;
+      image.at(i, j, 0) = static_cast<float>(128 + 50 * std::sin(0.31 * u + 0.1 * j) * std::cos(0.23 * j) +
+                                             40 * std::sin(0.17 * u - 0.2 * j));
+    }
+  }
+  return image;
+}
+
+TEST(Tracker, KnotsFollowMotionSlowerThanTheirGrid) {
+  TrackOptions options;
+  options.knot_bits = 0;
+  options.settle = false;
+  constexpr int kFrames = 14;
+  constexpr double kSpeed = 0.4;
+  std::vector<image::Image> pictures;
+  for (int i = 0; i < kFrames; ++i) pictures.push_back(waves(kSpeed * i));
+  const Tracked run = track(pictures, options);
+  std::map<mesh::KnotId, Vec2> first;
+  for (const mesh::Knot& k : run.models.front().space->mesh().knots) {
+    if (k.kind == mesh::KnotKind::kFree) first[k.id] = k.position;
+  }
+  double way = 0;
+  int count = 0;
+  for (const mesh::Knot& k : run.models.back().space->mesh().knots) {
+    if (!first.contains(k.id)) continue;
+    way += k.position.x - first[k.id].x;
+    ++count;
+  }
+  ASSERT_GT(count, 20);
+  EXPECT_NEAR(way / count, kSpeed * (kFrames - 1), 0.5);
 }
 
 TEST(Tracker, ARepeatedPictureKeepsItsModel) {

@@ -28,9 +28,14 @@ struct ColourSurface {
 /// @param pixels their places in the domain are held.
 ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options);
 
+/// Where moves take the knots of a mesh, those on a side or a segment exactly on it.
+std::vector<Vec2> moved_positions(const mesh::KnotMesh& mesh, const std::vector<Vec2>& moves);
+
 /// Shrinks moves of knots until no face is flatter than `min_distance` / 4, nor any triangle of a link flat,
 /// but for those that are flatter already, which get no flatter.
+/// @param mesh  that of the space, with the knots in the places that they move from.
 /// @param moves by knot, pixels; changed in place.
-void limit_moves(const spline::SplineSpace& space, double min_distance, std::vector<Vec2>& moves);
+void limit_moves(const spline::SplineSpace& space, const mesh::KnotMesh& mesh, double min_distance,
+                 std::vector<Vec2>& moves);
 
 }  // namespace knotreel::fit

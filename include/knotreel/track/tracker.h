@@ -8,7 +8,9 @@
 #include <vector>
 
 #include "knotreel/document/frame_model.h"
+#include "knotreel/document/writer.h"
 #include "knotreel/image/image.h"
+#include "knotreel/spline/basis.h"
 #include "knotreel/track/birth_options.h"
 #include "knotreel/track/carry_mesh.h"
 #include "knotreel/track/cold_frame.h"
@@ -49,6 +51,8 @@ struct TrackOptions {
   double swap_above = 1;
   int birth_interval = 8;  ///< frames between looks for features that the model lacks; 0: none
   BirthOptions birth{};
+  /// Warm frames are fitted to their knots as documents have them, on a grid of 2^-knot_bits px.
+  int knot_bits = document::EncodeOptions{}.delta_knot_bits;
   SwapOptions urgent_swap{.ratio = 4, .share = 0.1};
 };
 
@@ -100,6 +104,9 @@ class Tracker {
   /// @throws Error{kInvalidArgument} as vectorize_picture(), and if sizes differ.
   document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport* report = nullptr,
                             std::shared_ptr<ColdFrame> cold = nullptr);
+
+  /// Of the space of the last model, for whoever draws it.
+  std::shared_ptr<const spline::Basis> basis() const;
 
  private:
   class Impl;

@@ -1,0 +1,22 @@
+#pragma once
+
+#include <vector>
+
+#include "knotreel/mesh/knot_mesh.h"
+
+namespace knotreel::document {
+
+/// A knot mesh as documents have it: rounded to the grid, and with knots, faces and segments in the order of
+/// the file.
+struct StoredMesh {
+  mesh::KnotMesh mesh;
+  std::vector<mesh::KnotIndex> knot_of;  ///< by knot: its index in the mesh given
+};
+
+/// A model over such a mesh is stored with the very space that it has, so that whoever fits it knows what
+/// will be drawn, and what was set up for the space serves for drawing too.
+/// @param mesh sound. @param knot_bits  the grid is 2^-knot_bits px, or a finer one if faces would flip.
+/// @throws Error{kInvalidArgument} as Writer::append().
+StoredMesh stored_mesh(const mesh::KnotMesh& mesh, int knot_bits);
+
+}  // namespace knotreel::document

@@ -1,0 +1,22 @@
+#include "knotreel/document/stored_mesh.h"
+
+#include <utility>
+
+#include "document/bytes.h"
+#include "document/canonical.h"
+#include "document/quantise.h"
+#include "knotreel/base/error.h"
+
+namespace knotreel::document {
+
+StoredMesh stored_mesh(const mesh::KnotMesh& mesh, int knot_bits) {
+  try {
+    CanonicalMesh numbering = canonical_mesh(mesh);
+    quantise_knots(numbering, knot_bits);
+    return {std::move(numbering.mesh), std::move(numbering.knot_of)};
+  } catch (const Malformed& e) {
+    throw Error(ErrorKind::kInvalidArgument, std::string("cannot store a frame: ") + e.what());
+  }
+}
+
+}  // namespace knotreel::document
