@@ -177,6 +177,7 @@ class Tracker::Impl {
     vain_ = 0;
     since_births_ = 0;
     since_rework_ = options_.rework_interval;
+    since_bend_ = options_.bend_interval;
     since_look_ = 0;
     has_new_features_ = false;
     next_id_ = EditableMesh(space_->mesh()).next_id();
@@ -356,8 +357,10 @@ class Tracker::Impl {
     lap("space");
   }
 
-  /// Bends the geometry to the edges, if the curves miss them by too much.
+  /// Bends the geometry to the edges once in a while, if the curves miss them by too much.
   void bend_curves(const motion::Luma& now) {
+    if (++since_bend_ < options_.bend_interval && !has_new_features_) return;
+    since_bend_ = 0;
     const EdgePoints edges = find_edge_points(*basis_, displacement_, now);
     if (edges.rms <= options_.curve_error && !has_new_features_) return;
     has_new_features_ = false;
@@ -555,6 +558,7 @@ class Tracker::Impl {
   double group_features_ = 0;      ///< length of the feature polylines at its start, pixels
   int since_births_ = 0;           ///< frames
   int since_rework_ = 0;           ///< frames
+  int since_bend_ = 0;             ///< frames
   int since_look_ = 0;             ///< frames
   bool has_new_features_ = false;  ///< that were never bent to their edges
 };

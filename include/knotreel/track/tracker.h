@@ -38,6 +38,7 @@ struct TrackOptions {
   bool settle = true;             ///< whether knots go on descending on the true residual, a step each time
   bool optimise_inserted = true;  ///< whether new knots are moved to where the picture wants them ...
   double much_new = 0.08;         ///< ... with their neighbours, if they are more than this share of all
+  int bend_interval = 2;          ///< frames, 1 or more, between looks whether the feature curves miss edges
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
   double colour_hold = 2;     ///< control points keep colours that change by less, levels ...
   double hold_share = 0.4;    ///< ... and by less than this share of the MEC of the frame before
