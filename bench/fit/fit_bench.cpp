@@ -34,7 +34,7 @@ struct Case {
 
   /// With the ridge that makes them definite.
   NormalEquations normal(const PixelValues& at) const {
-    NormalEquations equations = assemble(at, picture, {});
+    NormalEquations equations = assemble<float>(at, picture, {});
     const double ridge = ColourFitOptions{}.ridge * equations.matrix.diagonal().maxCoeff();
     for (Eigen::Index i = 0; i < equations.matrix.rows(); ++i) equations.matrix.coeffRef(i, i) += ridge;
     return equations;
@@ -72,7 +72,7 @@ void BM_PixelValues(benchmark::State& state) {
 void BM_Assemble(benchmark::State& state) {
   run(state, [&](const Case& c) {
     const PixelValues values = c.values();
-    for (auto _ : state) benchmark::DoNotOptimize(assemble(values, c.picture, {}).matrix.nonZeros());
+    for (auto _ : state) benchmark::DoNotOptimize(assemble<float>(values, c.picture, {}).matrix.nonZeros());
   });
 }
 

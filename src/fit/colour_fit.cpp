@@ -40,6 +40,24 @@ Eigen::SparseMatrix<double> prolongation(const spline::SplineSpace& space, bool 
   return identity;
 }
 
+template <class Value>
+std::vector<float> residual_in(const spline::PixelValues& values, const image::Image& image,
+                               std::span<const double> control) {
+  constexpr std::size_t kPixels = spline::PixelValues::kTilePixels;
+  const auto channels = static_cast<std::size_t>(image.channels);
+  std::vector<float> residual(image.samples.size());
+  const auto add_tile = [&](std::size_t t, const spline::TileSurface<Value>& surface) {
+    values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
+      for (std::size_t c = 0; c < channels; ++c) {
+        const std::size_t i = pixel * channels + c;
+        residual[i] = static_cast<float>(static_cast<Value>(image.samples[i]) - surface[c * kPixels + place]);
+      }
+    });
+  };
+  spline::for_surface_tiles<Value>(values, control, image.channels, add_tile);
+  return residual;
+}
+
 double squared_error(std::span<const float> residual, const Pixels& pixels) {
   const std::size_t row_size = pixels.image->row_size();
   std::vector<double> row_sums(static_cast<std::size_t>(pixels.image->height), 0.0);
@@ -59,21 +77,9 @@ double squared_error(std::span<const float> residual, const Pixels& pixels) {
 }  // namespace
 
 std::vector<float> residual_at_pixels(const spline::PixelValues& values, const image::Image& image,
-                                      std::span<const double> control) {
-  constexpr std::size_t kPixels = spline::PixelValues::kTilePixels;
-  const auto channels = static_cast<std::size_t>(image.channels);
-  std::vector<float> residual(image.samples.size());
-  const auto add_tile = [&](std::size_t t, const spline::TileSurface& surface) {
-    values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
-      for (std::size_t c = 0; c < channels; ++c) {
-        const std::size_t i = pixel * channels + c;
-        residual[i] =
-            static_cast<float>(static_cast<double>(image.samples[i]) - surface[c * kPixels + place]);
-      }
-    });
-  };
-  spline::for_surface_tiles(values, control, image.channels, add_tile);
-  return residual;
+                                      std::span<const double> control, Precision precision) {
+  return precision == Precision::kSingle ? residual_in<float>(values, image, control)
+                                         : residual_in<double>(values, image, control);
 }
 
 ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const ColourFitOptions& options) {
@@ -90,8 +96,13 @@ ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
   }
   NormalEquations normal;
   Eigen::SparseMatrix<double> p;
-  parallel_invoke([&] { normal = assemble(values, image, pixels.weights); },
-                  [&] { p = prolongation(space, options.smooth_corners); });
+  const bool single = options.precision == Precision::kSingle;
+  parallel_invoke(
+      [&] {
+        normal = single ? assemble<float>(values, image, pixels.weights)
+                        : assemble<double>(values, image, pixels.weights);
+      },
+      [&] { p = prolongation(space, options.smooth_corners); });
   const double ridge = options.ridge * std::max(1.0, normal.matrix.diagonal().maxCoeff());
   for (Eigen::Index i = 0; i < normal.matrix.rows(); ++i) normal.matrix.coeffRef(i, i) += ridge;
 
@@ -103,7 +114,7 @@ ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
   Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
       fit.control.data(), control.rows(), control.cols()) = control;
   if (options.find_residual) {
-    fit.residual = residual_at_pixels(values, image, fit.control);
+    fit.residual = residual_at_pixels(values, image, fit.control, options.precision);
     fit.squared_error = squared_error(fit.residual, pixels);
   }
   return fit;

@@ -143,7 +143,7 @@ std::vector<Vec2> fit_geometry(const spline::PixelValues& values, std::span<cons
   const Unknowns unknowns = find_unknowns(space, active);
   if (unknowns.groups.empty()) return displacement;
   const PixelValues wanted(values.basis(), values.width(), values.height(), places, active);
-  Folded folded = fold(assemble(wanted, target, {}), space, unknowns);
+  Folded folded = fold(assemble<double>(wanted, target, {}), space, unknowns);
   add_curves(values.basis(), curves, options.feature_weight, unknowns, folded);
   const auto n = static_cast<Eigen::Index>(unknowns.groups.size());
   Matrix matrix(n, n);

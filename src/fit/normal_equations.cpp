@@ -24,7 +24,10 @@ constexpr int kTile = PixelValues::kSide;
 constexpr std::size_t kTilePixels = PixelValues::kTilePixels;
 
 /// A row of pixels of a tile.
-using Row [[gnu::vector_size(kTile * sizeof(double))]] = double;
+template <class Value>
+struct RowOf {
+  using Type [[gnu::vector_size(kTile * sizeof(Value))]] = Value;
+};
 
 constexpr std::size_t kBlock = 4;          ///< functions that are multiplied with as many others at a time
 constexpr std::size_t kChannels = kBlock;  ///< of a picture, at most: they are multiplied like functions
@@ -67,29 +70,30 @@ class TileIndex {
 };
 
 /// The pixels of a tile, row by row; where they are beside the picture, all functions are zero.
+template <class Value>
 struct TilePixels {
   bool weighted = false;  ///< whether some pixel has another weight than 1
-  std::array<double, kTilePixels> weights{};
-  std::array<double, kChannels * kTilePixels> samples{};  ///< channel by channel
+  std::array<Value, kTilePixels> weights{};
+  std::array<Value, kChannels * kTilePixels> samples{};  ///< channel by channel
 };
 
-TilePixels pixels_of(const image::Image& target, std::span<const float> weights, const PixelValues& values,
-                     std::size_t tile) {
-  TilePixels pixels;
+template <class Value>
+TilePixels<Value> pixels_of(const image::Image& target, std::span<const float> weights,
+                            const PixelValues& values, std::size_t tile) {
+  TilePixels<Value> pixels;
   const auto channels = static_cast<std::size_t>(target.channels);
   values.for_pixels(tile, [&](std::size_t from, std::size_t to) {
-    pixels.weights[to] = weights.empty() ? 1 : static_cast<double>(weights[from]);
+    pixels.weights[to] = weights.empty() ? 1 : static_cast<Value>(weights[from]);
     pixels.weighted = pixels.weighted || pixels.weights[to] != 1;
     for (std::size_t c = 0; c < channels; ++c)
-      pixels.samples[c * kTilePixels + to] = static_cast<double>(target.samples[from * channels + c]);
+      pixels.samples[c * kTilePixels + to] = static_cast<Value>(target.samples[from * channels + c]);
   });
   return pixels;
 }
 
-/// All products of kBlock functions with kBlock others, summed over the pixels of a tile: columns first, so
-/// that the width of vectors makes no difference.
-KNOTREEL_MULTIVERSION
-void multiply_block(const double* a, const double* b, double* out) {
+template <class Value>
+[[gnu::always_inline]] inline void sum_products(const Value* a, const Value* b, Value* out) {
+  using Row = typename RowOf<Value>::Type;
   Row sums[kBlock][kBlock] = {};
   for (std::size_t p = 0; p < kTilePixels; p += kTile) {
     Row right[kBlock];
@@ -108,6 +112,17 @@ void multiply_block(const double* a, const double* b, double* out) {
   }
 }
 
+/// All products of kBlock functions with kBlock others, summed over the pixels of a tile: columns first, so
+/// that the width of vectors makes no difference.
+KNOTREEL_MULTIVERSION
+void multiply_block(const double* a, const double* b, double* out) {
+  sum_products(a, b, out);
+}
+KNOTREEL_MULTIVERSION
+void multiply_block(const float* a, const float* b, float* out) {
+  sum_products(a, b, out);
+}
+
 /// Where the products of function i of a tile with itself and all later ones begin.
 constexpr std::size_t row_begin(std::size_t i, std::size_t count) {
   return i * (2 * count - i + 1) / 2;
@@ -116,13 +131,14 @@ constexpr std::size_t row_begin(std::size_t i, std::size_t count) {
 /// Sums over the pixels of a tile of the products of its functions: for each function those with itself and
 /// all later ones, one row after the other, without gaps.
 /// @param weighted the values again, times the weights of the pixels.
-void multiply(const double* values, const double* weighted, std::size_t count, double* products) {
-  std::array<double, kBlock * kBlock> block;
+template <class Value>
+void multiply(const Value* values, const Value* weighted, std::size_t count, Value* products) {
+  std::array<Value, kBlock * kBlock> block;
   for (std::size_t i = 0; i < count; i += kBlock) {
     for (std::size_t j = i; j < count; j += kBlock) {
       multiply_block(values + i * kTilePixels, weighted + j * kTilePixels, block.data());
       for (std::size_t k = 0; k < std::min(kBlock, count - i); ++k) {
-        double* row = products + row_begin(i + k, count);
+        Value* row = products + row_begin(i + k, count);
         const std::size_t first = j == i ? k : 0;
         for (std::size_t l = first; l < std::min(kBlock, count - j); ++l)
           row[j + l - (i + k)] = block[k * kBlock + l];
@@ -132,6 +148,7 @@ void multiply(const double* values, const double* weighted, std::size_t count, d
 }
 
 /// What the pixels of each tile add to the normal equations.
+template <class Value>
 class TileSums {
  public:
   TileSums(const PixelValues& values, const image::Image& target, std::span<const float> weights)
@@ -141,8 +158,8 @@ class TileSums {
       product_begin_[t + 1] = product_begin_[t] + n * (n + 1) / 2;
       right_begin_[t + 1] = right_begin_[t] + kChannels * padded(n);
     }
-    products_ = std::make_unique_for_overwrite<double[]>(product_begin_.back());
-    right_ = std::make_unique_for_overwrite<double[]>(right_begin_.back());
+    products_ = std::make_unique_for_overwrite<Value[]>(product_begin_.back());
+    right_ = std::make_unique_for_overwrite<Value[]>(right_begin_.back());
     constexpr std::size_t kTiles = 16;
     parallel_for((values.tile_count() + kTiles - 1) / kTiles, [&](std::size_t block) {
       Scratch scratch;
@@ -154,18 +171,18 @@ class TileSums {
 
   /// Products of the functions of a tile from a number on with the function of that number.
   /// @param count of functions of the tile.
-  const double* products(TileIndex::Place place, std::size_t count) const {
+  const Value* products(TileIndex::Place place, std::size_t count) const {
     return products_.get() + product_begin_[place.tile] + row_begin(place.number, count);
   }
   /// Four channels.
-  const double* right(TileIndex::Place place) const {
+  const Value* right(TileIndex::Place place) const {
     return right_.get() + right_begin_[place.tile] + kChannels * std::size_t{place.number};
   }
 
  private:
   struct Scratch {
-    std::vector<double> values;    ///< function by function, up to a whole number of blocks
-    std::vector<double> weighted;  ///< the same times the weights of the pixels
+    std::vector<Value> values;    ///< function by function, up to a whole number of blocks
+    std::vector<Value> weighted;  ///< the same times the weights of the pixels
   };
 
   void add(const PixelValues& all, std::size_t t, const image::Image& target, std::span<const float> weights,
@@ -174,9 +191,9 @@ class TileSums {
     scratch.values.resize(padded(count) * kTilePixels);
     all.evaluate(t, scratch.values.data());
     std::fill(scratch.values.begin() + static_cast<std::ptrdiff_t>(count * kTilePixels), scratch.values.end(),
-              0.0);
-    const TilePixels pixels = pixels_of(target, weights, all, t);
-    const double* right = scratch.values.data();
+              Value{0});
+    const TilePixels<Value> pixels = pixels_of<Value>(target, weights, all, t);
+    const Value* right = scratch.values.data();
     if (pixels.weighted) {
       scratch.weighted.resize(scratch.values.size());
       for (std::size_t f = 0; f < scratch.values.size(); f += kTilePixels) {
@@ -194,8 +211,8 @@ class TileSums {
 
   std::vector<std::size_t> product_begin_;
   std::vector<std::size_t> right_begin_;
-  std::unique_ptr<double[]> products_;  ///< not vectors, which would be zeroed first
-  std::unique_ptr<double[]> right_;
+  std::unique_ptr<Value[]> products_;  ///< not vectors, which would be zeroed first
+  std::unique_ptr<Value[]> right_;
 };
 
 struct Entry {
@@ -215,21 +232,22 @@ class ColumnSum {
   explicit ColumnSum(std::size_t functions) : slots_(functions, {spline::kNoFunction, 0}) {}
 
   /// Appends the lower half of column f, ascending, zeros left out but for the diagonal.
-  void add(FunctionIndex f, const PixelValues& values, const TileIndex& index, const TileSums& sums,
+  template <class Value>
+  void add(FunctionIndex f, const PixelValues& values, const TileIndex& index, const TileSums<Value>& sums,
            Columns& columns) {
     column_.clear();
     column_.push_back({f, 0.0});
     slots_[f] = {f, 0};
     for (const TileIndex::Place place : index.places(f)) {
       const auto functions = values.functions(place.tile);
-      const double* products = sums.products(place, functions.size());
+      const Value* products = sums.products(place, functions.size());
       for (const FunctionIndex g : functions.subspan(place.number)) {
         Slot& slot = slots_[g];
         if (slot.column != f) {
           slot = {f, static_cast<std::uint32_t>(column_.size())};
           column_.push_back({g, 0.0});
         }
-        column_[slot.at].value += *products++;
+        column_[slot.at].value += static_cast<double>(*products++);
       }
     }
     std::erase_if(column_, [f](const Entry& e) { return e.value == 0 && e.row != f; });
@@ -273,6 +291,7 @@ Eigen::SparseMatrix<double> to_matrix(const std::vector<Columns>& blocks, std::s
 
 }  // namespace
 
+template <class Value>
 NormalEquations assemble(const PixelValues& values, const image::Image& target,
                          std::span<const float> weights) {
   const auto& mesh = values.basis().space().mesh();
@@ -283,7 +302,7 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
   NormalEquations normal;
   normal.right.setZero(static_cast<Eigen::Index>(functions), target.channels);
   std::optional<TileIndex> index;
-  std::optional<TileSums> sums;
+  std::optional<TileSums<Value>> sums;
   parallel_invoke([&] { index.emplace(values); }, [&] { sums.emplace(values, target, weights); });
   const std::size_t block_size =
       std::max<std::size_t>(64, functions / 64);  // each clears a list of all functions
@@ -295,12 +314,15 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
       column.add(f, values, *index, *sums, columns[block]);
       for (const TileIndex::Place place : index->places(f)) {
         for (Eigen::Index c = 0; c < target.channels; ++c)
-          normal.right(static_cast<Eigen::Index>(f), c) += sums->right(place)[c];
+          normal.right(static_cast<Eigen::Index>(f), c) += static_cast<double>(sums->right(place)[c]);
       }
     }
   });
   normal.matrix = to_matrix(columns, functions);
   return normal;
 }
+
+template NormalEquations assemble<double>(const PixelValues&, const image::Image&, std::span<const float>);
+template NormalEquations assemble<float>(const PixelValues&, const image::Image&, std::span<const float>);
 
 }  // namespace knotreel::fit

@@ -18,7 +18,10 @@ struct NormalEquations {
 
 /// @param target  b: one sample per pixel and channel.
 /// @param weights one per pixel, or none: all 1.
+/// @tparam Value double or float: what functions are evaluated in, and their products over a tile of 8 x 8
+///               pixels summed; these sums are added up in double precision.
 /// Parallel over tiles and functions; same bits for any number of threads. Memory: some 40 bytes per pixel.
+template <class Value>
 NormalEquations assemble(const spline::PixelValues& values, const image::Image& target,
                          std::span<const float> weights);
 

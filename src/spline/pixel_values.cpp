@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <type_traits>
 
 #include "base/multiversion.h"
 #include "knotreel/base/error.h"
@@ -97,14 +98,26 @@ class Boxes {
 };
 
 /// Where the shares of the three functions of a piece go.
-using Shares = std::array<double*, 3>;
+template <class Value>
+using Shares = std::array<Value*, 3>;
+
+/// As spline::Plane, in the precision of the values.
+template <class Value>
+struct PlaneIn {
+  Value c = 0;
+  Value x = 0;
+  Value y = 0;
+};
 
 /// S: number of slopes, 0 for the constant tents of degree 1. Inlined into each version of add_term.
-template <int S, bool Walls, bool Factor>
+template <int S, bool Walls, bool Factor, class Value>
 [[gnu::always_inline]] inline void term_loop(const Piece& piece, const PieceTerm& term, Vec2 origin,
-                                             const double* __restrict x, const double* __restrict y,
-                                             const Shares& out) {
-  const auto plane = [origin](const Affine& a) { return plane_of(a, origin); };
+                                             const Value* __restrict x, const Value* __restrict y,
+                                             const Shares<Value>& out) {
+  using Plane = PlaneIn<Value>;
+  const auto plane = [origin](const Affine& a) {
+    return Plane{static_cast<Value>(a(origin)), static_cast<Value>(a.nx), static_cast<Value>(a.ny)};
+  };
   const std::array<Affine, 4>& slopes = term.tent.slopes;
   Plane s0, s1, s2, s3;
   if constexpr (S > 0) s0 = plane(slopes[0]);
@@ -117,33 +130,33 @@ template <int S, bool Walls, bool Factor>
       walls[i] = plane(term.tent.walls[i]);
   }
   const Plane a0 = walls[0], a1 = walls[1], a2 = walls[2];
-  const double constant = term.tent.constant;
+  const auto constant = static_cast<Value>(term.tent.constant);
   const Plane factor = Factor ? plane(term.factor) : Plane{};
   const Plane w0 = plane(piece.weights[0]);
   const Plane w1 = plane(piece.weights[1]);
   const Plane w2 = plane(piece.weights[2]);
-  double* __restrict out0 = out[0];
-  double* __restrict out1 = out[1];
-  double* __restrict out2 = out[2];
+  Value* __restrict out0 = out[0];
+  Value* __restrict out1 = out[1];
+  Value* __restrict out2 = out[2];
   for (std::size_t i = 0; i < kPixels; ++i) {
-    const double ux = x[i];
-    const double uy = y[i];
+    const Value ux = x[i];
+    const Value uy = y[i];
     const auto at = [ux, uy](const Plane& p) { return p.c + p.x * ux + p.y * uy; };
-    double v = constant;
+    Value v = constant;
     if constexpr (S > 0) v = at(s0);
     if constexpr (S > 1) v = at(s1) < v ? at(s1) : v;
     if constexpr (S > 2) v = at(s2) < v ? at(s2) : v;
     if constexpr (S > 3) v = at(s3) < v ? at(s3) : v;
     v = v > 0 ? v : 0;
     if constexpr (Walls) {
-      const double d01 = at(a1) < at(a0) ? at(a1) : at(a0);
-      const double d = at(a2) < d01 ? at(a2) : d01;
+      const Value d01 = at(a1) < at(a0) ? at(a1) : at(a0);
+      const Value d = at(a2) < d01 ? at(a2) : d01;
       v = d > 0 ? v : 0;
     }
     if constexpr (Factor) v *= at(factor);
-    double b0 = at(w0);
-    double b1 = at(w1);
-    double b2 = at(w2);
+    Value b0 = at(w0);
+    Value b1 = at(w1);
+    Value b2 = at(w2);
     if constexpr (S == 0) {
       // A point counts as inside the closed face, so a negative coordinate is the tolerance of a wall.
       b0 = b0 < 0 ? 0 : b0;
@@ -156,9 +169,9 @@ template <int S, bool Walls, bool Factor>
   }
 }
 
-template <bool Walls, bool Factor>
+template <bool Walls, bool Factor, class Value>
 [[gnu::always_inline]] inline void term_by_slopes(const Piece& piece, const PieceTerm& term, Vec2 origin,
-                                                  const double* x, const double* y, const Shares& out) {
+                                                  const Value* x, const Value* y, const Shares<Value>& out) {
   switch (term.tent.slope_count) {
     case 0:
       return term_loop<0, Walls, Factor>(piece, term, origin, x, y, out);
@@ -173,11 +186,9 @@ template <bool Walls, bool Factor>
   }
 }
 
-/// Adds the shares of a term at the pixels of a tile, none of which is on a wall.
-/// @param x, y relative to the origin.
-KNOTREEL_MULTIVERSION
-void add_term(const Piece& piece, const PieceTerm& term, Vec2 origin, const double* x, const double* y,
-              const Shares& out) {
+template <class Value>
+[[gnu::always_inline]] inline void term_by_parts(const Piece& piece, const PieceTerm& term, Vec2 origin,
+                                                 const Value* x, const Value* y, const Shares<Value>& out) {
   if (term.has_factor) {
     if (term.tent.wall_count > 0) return term_by_slopes<true, true>(piece, term, origin, x, y, out);
     return term_by_slopes<false, true>(piece, term, origin, x, y, out);
@@ -186,27 +197,61 @@ void add_term(const Piece& piece, const PieceTerm& term, Vec2 origin, const doub
   return term_by_slopes<false, false>(piece, term, origin, x, y, out);
 }
 
-bool any_on_wall(const Tent& tent, Vec2 origin, const double* x, const double* y) {
+/// Adds the shares of a term at the pixels of a tile, none of which is on a wall.
+/// @param x, y relative to the origin.
+KNOTREEL_MULTIVERSION
+void add_term(const Piece& piece, const PieceTerm& term, Vec2 origin, const double* x, const double* y,
+              const Shares<double>& out) {
+  term_by_parts(piece, term, origin, x, y, out);
+}
+KNOTREEL_MULTIVERSION
+void add_term(const Piece& piece, const PieceTerm& term, Vec2 origin, const float* x, const float* y,
+              const Shares<float>& out) {
+  term_by_parts(piece, term, origin, x, y, out);
+}
+
+/// Distance of a wall, pixels, from which on the precision tells on which side a point is.
+template <class Value>
+constexpr double kClearOfWall = std::is_same_v<Value, double> ? 2 * kOnWall : 1e-4;
+
+bool any_on_wall(const Tent& tent, Vec2 origin, const double* x, const double* y, double clear) {
   for (std::size_t w = 0; w < static_cast<std::size_t>(tent.wall_count); ++w) {
     const Plane wall = plane_of(tent.walls[w], origin);
     double nearest = std::numeric_limits<double>::max();
     for (std::size_t i = 0; i < kPixels; ++i)
       nearest = std::min(nearest, std::abs(wall.c + wall.x * x[i] + wall.y * y[i]));
-    if (nearest <= 2 * kOnWall) return true;
+    if (nearest <= clear) return true;
   }
   return false;
 }
 
 /// The same as add_term() for pixels anywhere, one by one.
+template <class Value>
 void add_one_by_one(const Piece& piece, const PieceTerm& term, Vec2 origin, const mesh::KnotMesh& mesh,
-                    const double* x, const double* y, const Shares& out) {
+                    const double* x, const double* y, const Shares<Value>& out) {
   for (std::size_t i = 0; i < kPixels; ++i) {
     const Vec2 u = origin + Vec2{x[i], y[i]};
     double v = tent_value(term.tent, u, inward_direction(u, mesh.width, mesh.height));
     if (v == 0) continue;
     if (term.has_factor) v *= term.factor(u);
     const double lowest = term.tent.slope_count == 0 ? 0 : -std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < 3; ++k) out[k][i] += v * std::max(piece.weights[k](u), lowest);
+    for (std::size_t k = 0; k < 3; ++k)
+      out[k][i] += static_cast<Value>(v * std::max(piece.weights[k](u), lowest));
+  }
+}
+
+template <class Value>
+[[gnu::always_inline]] inline void sum_functions(const Value* values,
+                                                 std::span<const FunctionIndex> functions,
+                                                 const double* control, std::size_t channels,
+                                                 Value* __restrict sums) {
+  for (const FunctionIndex f : functions) {
+    for (std::size_t c = 0; c < channels; ++c) {
+      const auto weight = static_cast<Value>(control[f * channels + c]);
+      Value* __restrict to = sums + c * kPixels;
+      for (std::size_t i = 0; i < kPixels; ++i) to[i] += values[i] * weight;
+    }
+    values += kPixels;
   }
 }
 
@@ -214,14 +259,12 @@ void add_one_by_one(const Piece& piece, const PieceTerm& term, Vec2 origin, cons
 KNOTREEL_MULTIVERSION
 void add_functions(const double* values, std::span<const FunctionIndex> functions, const double* control,
                    std::size_t channels, double* __restrict sums) {
-  for (const FunctionIndex f : functions) {
-    for (std::size_t c = 0; c < channels; ++c) {
-      const double weight = control[f * channels + c];
-      double* __restrict to = sums + c * kPixels;
-      for (std::size_t i = 0; i < kPixels; ++i) to[i] += values[i] * weight;
-    }
-    values += kPixels;
-  }
+  sum_functions(values, functions, control, channels, sums);
+}
+KNOTREEL_MULTIVERSION
+void add_functions(const float* values, std::span<const FunctionIndex> functions, const double* control,
+                   std::size_t channels, float* __restrict sums) {
+  sum_functions(values, functions, control, channels, sums);
 }
 
 }  // namespace
@@ -368,29 +411,34 @@ void PixelValues::name_functions(std::span<const std::uint8_t> wanted) {
   for (const auto& row : by_row) functions_.insert(functions_.end(), row.begin(), row.end());
 }
 
-void PixelValues::evaluate(std::size_t index, double* values) const {
+template <class Value>
+void PixelValues::evaluate_in(std::size_t index, Value* values) const {
   const PieceSet& set = basis_->pieces();
   const std::size_t count = functions(index).size();
   const Vec2 origin = corner(index);
   std::array<double, kPixels> x;
   std::array<double, kPixels> y;
   places(index, x.data(), y.data());
-  std::fill_n(values, count * kPixels, 0.0);
-  std::array<double, 3 * kPixels> nowhere;  // shares of functions that vanish or are not wanted
+  std::array<Value, kPixels> at_x;
+  std::array<Value, kPixels> at_y;
+  std::transform(x.begin(), x.end(), at_x.begin(), [](double v) { return static_cast<Value>(v); });
+  std::transform(y.begin(), y.end(), at_y.begin(), [](double v) { return static_cast<Value>(v); });
+  std::fill_n(values, count * kPixels, Value{0});
+  std::array<Value, 3 * kPixels> nowhere;  // shares of functions that vanish or are not wanted
   nowhere.fill(0);
   for (const Entry& entry : entries(index)) {
     const Piece& piece = set.pieces[entry.piece];
-    Shares out;
+    Shares<Value> out;
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t slot = entry.slots[k];
       out[k] = slot == kNoSlot ? nowhere.data() + k * kPixels : values + std::size_t{slot} * kPixels;
     }
     for (std::uint32_t t = piece.term_begin; t < piece.term_end; ++t) {
       const PieceTerm& term = set.terms[t];
-      if (any_on_wall(term.tent, origin, x.data(), y.data())) {
+      if (any_on_wall(term.tent, origin, x.data(), y.data(), kClearOfWall<Value>)) {
         add_one_by_one(piece, term, origin, basis_->space().mesh(), x.data(), y.data(), out);
       } else {
-        add_term(piece, term, origin, x.data(), y.data(), out);
+        add_term(piece, term, origin, at_x.data(), at_y.data(), out);
       }
     }
   }
@@ -406,13 +454,21 @@ void PixelValues::evaluate(std::size_t index, double* values) const {
   }
 }
 
+void PixelValues::evaluate(std::size_t index, double* values) const {
+  evaluate_in(index, values);
+}
+void PixelValues::evaluate(std::size_t index, float* values) const {
+  evaluate_in(index, values);
+}
+
+template <class Value>
 void for_surface_tiles(const PixelValues& values, std::span<const double> control, int channel_count,
-                       const std::function<void(std::size_t, const TileSurface&)>& visit) {
+                       const std::function<void(std::size_t, const TileSurface<Value>&)>& visit) {
   const auto channels = static_cast<std::size_t>(channel_count);
   const std::size_t columns = values.tile_columns();
   parallel_for(values.tile_count() / columns, [&](std::size_t row) {
-    std::vector<double> at;
-    TileSurface sums;
+    std::vector<Value> at;
+    TileSurface<Value> sums;
     for (std::size_t t = row * columns; t < (row + 1) * columns; ++t) {
       const std::span<const FunctionIndex> functions = values.functions(t);
       sums.fill(0);
@@ -426,10 +482,15 @@ void for_surface_tiles(const PixelValues& values, std::span<const double> contro
   });
 }
 
+template void for_surface_tiles(const PixelValues&, std::span<const double>, int,
+                                const std::function<void(std::size_t, const TileSurface<double>&)>&);
+template void for_surface_tiles(const PixelValues&, std::span<const double>, int,
+                                const std::function<void(std::size_t, const TileSurface<float>&)>&);
+
 void surface_at_pixels(const PixelValues& values, std::span<const double> control, int channel_count,
                        std::span<double> out) {
   const auto channels = static_cast<std::size_t>(channel_count);
-  for_surface_tiles(values, control, channel_count, [&](std::size_t t, const TileSurface& surface) {
+  for_surface_tiles<double>(values, control, channel_count, [&](std::size_t t, const auto& surface) {
     values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
       for (std::size_t c = 0; c < channels; ++c) out[pixel * channels + c] = surface[c * kPixels + place];
     });

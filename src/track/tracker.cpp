@@ -384,7 +384,7 @@ class Tracker::Impl {
     parallel_invoke([&] { colours_ = fit::fit_colours(values, pixels, colour); },
                     [&] { match = match_functions(*frame_before_.space, *space_); });
     hold_colours(match);
-    colours_.residual = fit::residual_at_pixels(values, seen_.picture, colours_.control);
+    colours_.residual = fit::residual_at_pixels(values, seen_.picture, colours_.control, colour.precision);
     lap("colours");
   }
 

@@ -117,6 +117,19 @@ TEST_P(ColourFits, NoSurfaceIsBetter) {
   }
 }
 
+/// In levels, and on average over the pixels; what no pixel decides may differ more.
+TEST_P(ColourFits, SinglePrecisionIsNear) {
+  const image::Image image = test::random_picture(48, 40, 3, 5);
+  const ColourFit fit = fit_colours(basis_, pixels(image));
+  const ColourFit single = fit_colours(basis_, pixels(image), {.precision = Precision::kSingle});
+  EXPECT_NEAR(single.squared_error, fit.squared_error, 1e-5 * fit.squared_error);
+  double worst = 0;
+  for (std::size_t i = 0; i < fit.residual.size(); ++i)
+    worst = std::max(worst, static_cast<double>(std::abs(single.residual[i] - fit.residual[i])));
+  EXPECT_GT(worst, 0);
+  EXPECT_LE(worst, 0.02);
+}
+
 /// The colours of pixels without weight count only at Greville sites, where the ridge draws to them.
 TEST_P(ColourFits, PixelsWithoutWeightDoNotCount) {
   if (!GetParam().weighted) return;

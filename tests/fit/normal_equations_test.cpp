@@ -71,14 +71,20 @@ TEST(NormalEquations, EqualDenseOnes) {
         for (std::size_t f = 0; f < basis.space().function_count(); ++f) active.push_back(random() % 3 > 0);
       }
       const PixelValues values(basis, width, height, places, active);
-      const NormalEquations fast = assemble(values, target, weights);
+      const NormalEquations fast = assemble<double>(values, target, weights);
       expect_equal(fast, reference(basis, target, places, weights, active), c.name);
 
       const ThreadCap one(1);
-      const NormalEquations alone = assemble(values, target, weights);
+      const NormalEquations alone = assemble<double>(values, target, weights);
       ASSERT_TRUE(alone.right == fast.right) << c.name;
       ASSERT_EQ(alone.matrix.nonZeros(), fast.matrix.nonZeros()) << c.name;
       ASSERT_TRUE(Eigen::MatrixXd(alone.matrix) == Eigen::MatrixXd(fast.matrix)) << c.name;
+
+      const NormalEquations single = assemble<float>(values, target, weights);
+      const Eigen::MatrixXd change = Eigen::MatrixXd(single.matrix) - Eigen::MatrixXd(fast.matrix);
+      ASSERT_LE(change.cwiseAbs().maxCoeff(), 1e-5 * fast.matrix.diagonal().maxCoeff()) << c.name;
+      ASSERT_LE((single.right - fast.right).cwiseAbs().maxCoeff(), 1e-5 * fast.right.cwiseAbs().maxCoeff())
+          << c.name;
     }
   }
 }

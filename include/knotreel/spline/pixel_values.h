@@ -66,6 +66,8 @@ class PixelValues {
   /// pixels beside the picture zero. They agree with Basis::evaluate() to 1e-10.
   /// @param values room for as many.
   void evaluate(std::size_t tile, double* values) const;
+  /// The same in single precision, which takes about half the time.
+  void evaluate(std::size_t tile, float* values) const;
 
   /// Places of the pixels of a tile, relative to its corner; pixels beside the picture are somewhere near.
   /// @param x, y room for kTilePixels each.
@@ -91,6 +93,8 @@ class PixelValues {
   void find_moved();
   void list_entries(std::span<const std::uint8_t> wanted);
   void name_functions(std::span<const std::uint8_t> wanted);
+  template <class Value>
+  void evaluate_in(std::size_t tile, Value* values) const;
 
   const Basis* basis_;
   int width_;
@@ -108,13 +112,15 @@ class PixelValues {
 };
 
 /// A surface at the pixels of a tile: channel by channel, kTilePixels each, row by row.
-using TileSurface = std::array<double, 4 * PixelValues::kTilePixels>;
+template <class Value>
+using TileSurface = std::array<Value, 4 * PixelValues::kTilePixels>;
 
 /// For each pixel, sum over functions of value times control point; calls visit(index of the tile, surface)
 /// for each tile, in any order, on all threads allowed.
-/// @param control function by function, `channels` numbers each, 1 to 4.
+/// @param control function by function, `channels` numbers each, 1 to 4. @tparam Value double or float.
+template <class Value>
 void for_surface_tiles(const PixelValues& values, std::span<const double> control, int channels,
-                       const std::function<void(std::size_t, const TileSurface&)>& visit);
+                       const std::function<void(std::size_t, const TileSurface<Value>&)>& visit);
 
 /// The same for the whole picture. @param out row-major, channels interleaved.
 void surface_at_pixels(const PixelValues& values, std::span<const double> control, int channels,

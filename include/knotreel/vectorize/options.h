@@ -46,7 +46,7 @@ struct Options {
   double segment_knot_spacing = 12;  ///< one to three simple knots per feature segment, about this far apart
 
   knots::OptimiseOptions optimise{.rounds = 1, .steps = 4};
-  fit::ColourFitOptions colour{};
+  fit::ColourFitOptions colour{.precision = fit::Precision::kSingle};
   fit::GeometryFitOptions geometry{};
   bool half_rows = true;  ///< rounds and descent look at pairs of rows: about half the time, -0.1 dB
   int descent_steps = 2;  ///< on the true residual; 0: none
