@@ -55,13 +55,20 @@ class Boxes {
     boxes_.resize(values.tile_count());
     rows_ = boxes_.size() / columns_;
     std::vector<double> reach(rows_, 0.0);
+    const Vec2 first = 0.5 / PixelValues::kSide * tile_;
+    const Vec2 last = tile_ - first;
     parallel_for(rows_, [&](std::size_t row) {
       for (std::size_t column = 0; column < columns_; ++column) {
         const std::size_t t = row * columns_ + column;
+        Box& box = boxes_[t];
+        if (values.at_centres(t)) {
+          const Vec2 corner = values.corner(t);
+          box = {corner + first - kSlack, corner + last + kSlack};
+          continue;
+        }
         std::array<double, kPixels> x;
         std::array<double, kPixels> y;
         values.places(t, x.data(), y.data());
-        Box& box = boxes_[t];
         const auto [left, right] = std::minmax_element(x.begin(), x.end());
         const auto [top, bottom] = std::minmax_element(y.begin(), y.end());
         const Vec2 corner = values.corner(t);
@@ -284,6 +291,10 @@ PixelValues::PixelValues(const Basis& basis, int width, int height, std::span<co
     throw Error(ErrorKind::kInvalidArgument, "functions are wanted by one flag per function");
   cell_width_ = basis.space().mesh().width / width;
   cell_height_ = basis.space().mesh().height / height;
+  for (std::size_t i = 0; i < kTilePixels; ++i) {
+    centre_x_[i] = (static_cast<double>(i % kSide) + 0.5) * cell_width_;
+    centre_y_[i] = (static_cast<double>(i / kSide) + 0.5) * cell_height_;
+  }
   find_moved();
   list_entries(wanted);
   name_functions(wanted);
@@ -320,12 +331,8 @@ void PixelValues::find_moved() {
 
 void PixelValues::places(std::size_t tile, double* x, double* y) const {
   if (!moved_[tile]) {
-    for (int j = 0; j < kSide; ++j) {
-      for (int i = 0; i < kSide; ++i) {
-        *x++ = (i + 0.5) * cell_width_;
-        *y++ = (j + 0.5) * cell_height_;
-      }
-    }
+    std::copy(centre_x_.begin(), centre_x_.end(), x);
+    std::copy(centre_y_.begin(), centre_y_.end(), y);
     return;
   }
   const Vec2 origin = corner(tile);

@@ -73,6 +73,9 @@ class PixelValues {
   /// @param x, y room for kTilePixels each.
   void places(std::size_t tile, double* x, double* y) const;
 
+  /// Whether all pixels of a tile are at their centres.
+  bool at_centres(std::size_t tile) const { return !moved_[tile]; }
+
   /// The upper left corner of a tile, in the domain.
   Vec2 corner(std::size_t tile) const;
 
@@ -104,6 +107,8 @@ class PixelValues {
   std::span<const Vec2> places_;
   std::size_t tile_columns_;
   std::size_t tile_rows_;
+  std::array<double, kTilePixels> centre_x_;  ///< of the pixels of a tile, from its corner
+  std::array<double, kTilePixels> centre_y_;
   std::vector<std::uint8_t> moved_;       ///< per tile: whether some pixel is not at its centre
   std::vector<std::size_t> entry_begin_;  ///< per tile, into entries_
   std::vector<Entry> entries_;
