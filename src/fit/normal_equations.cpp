@@ -27,6 +27,7 @@ constexpr std::size_t kTilePixels = PixelValues::kTilePixels;
 template <class Value>
 struct RowOf {
   using Type [[gnu::vector_size(kTile * sizeof(Value))]] = Value;
+  using Half [[gnu::vector_size(kTile / 2 * sizeof(Value))]] = Value;
 };
 
 constexpr std::size_t kBlock = 4;          ///< functions that are multiplied with as many others at a time
@@ -91,6 +92,25 @@ TilePixels<Value> pixels_of(const image::Image& target, std::span<const float> w
   return pixels;
 }
 
+/// The sums of the lanes of four vectors.
+template <class Value>
+[[gnu::always_inline]] inline typename RowOf<Value>::Half sum_lanes(
+    const typename RowOf<Value>::Type (&rows)[kBlock]) {
+  using Half = typename RowOf<Value>::Half;
+  Half halves[kBlock];
+  for (std::size_t j = 0; j < kBlock; ++j) {
+    halves[j] = __builtin_shufflevector(rows[j], rows[j], 0, 1, 2, 3) +
+                __builtin_shufflevector(rows[j], rows[j], 4, 5, 6, 7);
+  }
+  Half pairs[2];
+  for (std::size_t j = 0; j < 2; ++j) {
+    pairs[j] = __builtin_shufflevector(halves[2 * j], halves[2 * j + 1], 0, 1, 4, 5) +
+               __builtin_shufflevector(halves[2 * j], halves[2 * j + 1], 2, 3, 6, 7);
+  }
+  return __builtin_shufflevector(pairs[0], pairs[1], 0, 2, 4, 6) +
+         __builtin_shufflevector(pairs[0], pairs[1], 1, 3, 5, 7);
+}
+
 template <class Value>
 [[gnu::always_inline]] inline void sum_products(const Value* a, const Value* b, Value* out) {
   using Row = typename RowOf<Value>::Type;
@@ -105,10 +125,8 @@ template <class Value>
     }
   }
   for (std::size_t i = 0; i < kBlock; ++i) {
-    for (std::size_t j = 0; j < kBlock; ++j) {
-      const Row& s = sums[i][j];
-      out[i * kBlock + j] = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
-    }
+    const typename RowOf<Value>::Half four = sum_lanes<Value>(sums[i]);
+    std::memcpy(out + i * kBlock, &four, sizeof four);
   }
 }
 

@@ -221,13 +221,21 @@ void add_term(const Piece& piece, const PieceTerm& term, Vec2 origin, const floa
 template <class Value>
 constexpr double kClearOfWall = std::is_same_v<Value, double> ? 2 * kOnWall : 1e-4;
 
+/// Whether some pixel is nearer to a wall.
+KNOTREEL_MULTIVERSION
 bool any_on_wall(const Tent& tent, Vec2 origin, const double* x, const double* y, double clear) {
+  constexpr std::size_t kLanes = 8;
   for (std::size_t w = 0; w < static_cast<std::size_t>(tent.wall_count); ++w) {
     const Plane wall = plane_of(tent.walls[w], origin);
-    double nearest = std::numeric_limits<double>::max();
-    for (std::size_t i = 0; i < kPixels; ++i)
-      nearest = std::min(nearest, std::abs(wall.c + wall.x * x[i] + wall.y * y[i]));
-    if (nearest <= clear) return true;
+    std::array<double, kLanes> nearest;
+    nearest.fill(std::numeric_limits<double>::max());
+    for (std::size_t i = 0; i < kPixels; i += kLanes) {
+      for (std::size_t l = 0; l < kLanes; ++l) {
+        const double d = std::abs(wall.c + wall.x * x[i + l] + wall.y * y[i + l]);
+        nearest[l] = d < nearest[l] ? d : nearest[l];
+      }
+    }
+    if (*std::min_element(nearest.begin(), nearest.end()) <= clear) return true;
   }
   return false;
 }
