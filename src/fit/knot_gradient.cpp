@@ -57,7 +57,7 @@ std::vector<Directions> free_directions(const mesh::KnotMesh& mesh, std::span<co
 
 /// Residual times weight of the pixels of a tile, channel by channel; none beside the picture.
 struct TileResidual {
-  std::array<std::array<double, kPixels>, 4> channels;
+  std::array<std::array<float, kPixels>, 4> channels;
 };
 
 void read_residual(const Pixels& pixels, const ColourFit& fit, const spline::PixelValues& values,
@@ -67,17 +67,17 @@ void read_residual(const Pixels& pixels, const ColourFit& fit, const spline::Pix
   values.for_pixels(tile, [&](std::size_t pixel, std::size_t place) {
     const float weight = pixels.weights.empty() ? 1.0F : pixels.weights[pixel];
     for (std::size_t c = 0; c < channels; ++c)
-      out.channels[c][place] = static_cast<double>(fit.residual[pixel * channels + c] * weight);
+      out.channels[c][place] = fit.residual[pixel * channels + c] * weight;
   });
 }
 
 /// q[i] = sum over channels of residual * control point, for the pixels of a tile.
 KNOTREEL_MULTIVERSION
-void project(const TileResidual& residual, const double* control, std::size_t channels,
-             double* __restrict q) {
-  for (std::size_t i = 0; i < kPixels; ++i) q[i] = residual.channels[0][i] * control[0];
-  for (std::size_t c = 1; c < channels; ++c) {
-    for (std::size_t i = 0; i < kPixels; ++i) q[i] += residual.channels[c][i] * control[c];
+void project(const TileResidual& residual, const double* control, std::size_t channels, float* __restrict q) {
+  for (std::size_t c = 0; c < channels; ++c) {
+    const auto weight = static_cast<float>(control[c]);
+    const std::array<float, kPixels>& r = residual.channels[c];
+    for (std::size_t i = 0; i < kPixels; ++i) q[i] = c == 0 ? r[i] * weight : q[i] + r[i] * weight;
   }
 }
 
@@ -130,24 +130,30 @@ class Derivatives {
     if (std::none_of(entries.begin(), entries.end(), [&](const auto& e) { return movable_[e.piece]; }))
       return;
     const std::span<const spline::FunctionIndex> functions = values_.functions(tile);
-    std::array<double, kPixels> x;
-    std::array<double, kPixels> y;
-    values_.places(tile, x.data(), y.data());
+    std::array<double, kPixels> places_x;
+    std::array<double, kPixels> places_y;
+    values_.places(tile, places_x.data(), places_y.data());
+    std::array<float, kPixels> x;
+    std::array<float, kPixels> y;
+    for (std::size_t i = 0; i < kPixels; ++i) {
+      x[i] = static_cast<float>(places_x[i]);
+      y[i] = static_cast<float>(places_y[i]);
+    }
     TileResidual residual;
     read_residual(pixels_, fit_, values_, tile, residual);
     const auto channels = static_cast<std::size_t>(pixels_.image->channels);
-    thread_local std::vector<double> products;  // residual times control point of each function
+    thread_local std::vector<float> products;  // residual times control point of each function
     products.resize((functions.size() + 1) * kPixels);
     for (std::size_t f = 0; f < functions.size(); ++f)
       project(residual, &fit_.control[functions[f] * channels], channels, &products[f * kPixels]);
-    const double* const zeros = &products[functions.size() * kPixels];
-    std::fill_n(&products[functions.size() * kPixels], kPixels, 0.0);
+    const float* const zeros = &products[functions.size() * kPixels];
+    std::fill_n(&products[functions.size() * kPixels], kPixels, 0.0F);
     const Vec2 corner = values_.corner(tile);
     for (const auto& entry : entries) {
       if (!movable_[entry.piece]) continue;
       const Piece& piece = basis_.pieces().pieces[entry.piece];
       const std::span<const PieceTerm> terms = terms_of(piece);
-      const double* q[3];
+      const float* q[3];
       for (std::size_t k = 0; k < 3; ++k) {
         q[k] = entry.slots[k] == spline::PixelValues::kNoSlot ? zeros : &products[entry.slots[k] * kPixels];
       }

@@ -19,68 +19,77 @@ constexpr std::size_t kLanes = 8;
 constexpr std::size_t kPlanes = ShapeGradient::kPlanes;
 
 /// Pixels that are summed side by side: a fixed order, whatever the width of vectors.
-using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+using Lanes [[gnu::vector_size(kLanes * sizeof(float))]] = float;
+
+/// As spline::Plane, in single precision.
+struct SinglePlane {
+  explicit SinglePlane(const Plane& p)
+      : c(static_cast<float>(p.c)), x(static_cast<float>(p.x)), y(static_cast<float>(p.y)) {}
+  float c;
+  float x;
+  float y;
+};
 
 /// The quantities of the pixels of a tile whose moments are taken: o0 to o3 for the slopes, each where it
 /// rules, of for the factor and p0 to p2 for the weights. S: the number of slopes; quantities of those
 /// missing are not set.
 template <int S, bool Walls, bool Factor>
-[[gnu::always_inline]] inline void fill_quantities(const Shape& s, const double* __restrict x,
-                                                   const double* __restrict y, const double* __restrict q0,
-                                                   const double* __restrict q1, const double* __restrict q2,
-                                                   double* __restrict o0, double* __restrict o1,
-                                                   double* __restrict o2, double* __restrict o3,
-                                                   double* __restrict of, double* __restrict p0,
-                                                   double* __restrict p1, double* __restrict p2) {
-  const Plane s0 = s.slopes[0], s1 = s.slopes[1], s2 = s.slopes[2], s3 = s.slopes[3];
-  const Plane a0 = s.walls[0], a1 = s.walls[1], a2 = s.walls[2];
-  const Plane w0 = s.weights[0], w1 = s.weights[1], w2 = s.weights[2], wf = s.factor;
+[[gnu::always_inline]] inline void fill_quantities(const Shape& s, const float* __restrict x,
+                                                   const float* __restrict y, const float* __restrict q0,
+                                                   const float* __restrict q1, const float* __restrict q2,
+                                                   float* __restrict o0, float* __restrict o1,
+                                                   float* __restrict o2, float* __restrict o3,
+                                                   float* __restrict of, float* __restrict p0,
+                                                   float* __restrict p1, float* __restrict p2) {
+  const SinglePlane s0(s.slopes[0]), s1(s.slopes[1]), s2(s.slopes[2]), s3(s.slopes[3]);
+  const SinglePlane a0(s.walls[0]), a1(s.walls[1]), a2(s.walls[2]);
+  const SinglePlane w0(s.weights[0]), w1(s.weights[1]), w2(s.weights[2]), wf(s.factor);
   for (std::size_t i = 0; i < kPixels; ++i) {
-    const double ux = x[i];
-    const double uy = y[i];
-    const auto at = [ux, uy](const Plane& p) { return p.c + p.x * ux + p.y * uy; };
-    const double v0 = at(s0);
-    double v1 = 0, v2 = 0;
-    double least = v0;
+    const float ux = x[i];
+    const float uy = y[i];
+    const auto at = [ux, uy](const SinglePlane& p) { return p.c + p.x * ux + p.y * uy; };
+    const float v0 = at(s0);
+    float v1 = 0, v2 = 0;
+    float least = v0;
     if constexpr (S > 1) least = (v1 = at(s1)) < least ? v1 : least;
     if constexpr (S > 2) least = (v2 = at(s2)) < least ? v2 : least;
     if constexpr (S > 3) least = at(s3) < least ? at(s3) : least;
     // Each pixel counts for the slope that rules there; ties go to the first. Products with 0 or 1, because
     // choices that depend on each other keep the compiler from using vectors.
-    double positive = least > 0 ? 1.0 : 0.0;
+    float positive = least > 0 ? 1.0F : 0.0F;
     if constexpr (Walls) {
-      const double d0 = at(a0);
-      const double d1 = at(a1);
-      const double d2 = at(a2);
-      const double d01 = d1 < d0 ? d1 : d0;
-      const double d = d2 < d01 ? d2 : d01;
-      positive *= d > 0 ? 1.0 : 0.0;
+      const float d0 = at(a0);
+      const float d1 = at(a1);
+      const float d2 = at(a2);
+      const float d01 = d1 < d0 ? d1 : d0;
+      const float d = d2 < d01 ? d2 : d01;
+      positive *= d > 0 ? 1.0F : 0.0F;
     }
-    double v = least * positive;
-    const double share = at(w0) * q0[i] + at(w1) * q1[i] + at(w2) * q2[i];
-    double slope = share * positive;
+    float v = least * positive;
+    const float share = at(w0) * q0[i] + at(w1) * q1[i] + at(w2) * q2[i];
+    float slope = share * positive;
     if constexpr (Factor) {
-      const double f = at(wf);
+      const float f = at(wf);
       of[i] = v * share;
       v *= f;
       slope *= f;
     }
     if constexpr (S > 1) {
-      const double rules = v0 <= least ? 1.0 : 0.0;
+      const float rules = v0 <= least ? 1.0F : 0.0F;
       o0[i] = slope * rules;
       slope -= slope * rules;
     }
     if constexpr (S > 2) {
-      const double rules = v1 <= least ? 1.0 : 0.0;
+      const float rules = v1 <= least ? 1.0F : 0.0F;
       o1[i] = slope * rules;
       slope -= slope * rules;
     }
     if constexpr (S > 3) {
-      const double rules = v2 <= least ? 1.0 : 0.0;
+      const float rules = v2 <= least ? 1.0F : 0.0F;
       o2[i] = slope * rules;
       slope -= slope * rules;
     }
-    double* const last = S > 3 ? o3 : S > 2 ? o2 : S > 1 ? o1 : o0;
+    float* const last = S > 3 ? o3 : S > 2 ? o2 : S > 1 ? o1 : o0;
     last[i] = slope;
     p0[i] = v * q0[i];
     p1[i] = v * q1[i];
@@ -89,8 +98,8 @@ template <int S, bool Walls, bool Factor>
 }
 
 template <bool Walls, bool Factor>
-[[gnu::always_inline]] inline void fill_by_slopes(const Shape& s, const double* x, const double* y,
-                                                  const double* const* q, double* const* o) {
+[[gnu::always_inline]] inline void fill_by_slopes(const Shape& s, const float* x, const float* y,
+                                                  const float* const* q, float* const* o) {
   switch (s.slope_count) {
     case 1:
       return fill_quantities<1, Walls, Factor>(s, x, y, q[0], q[1], q[2], o[0], o[1], o[2], o[3], o[4], o[5],
@@ -125,8 +134,8 @@ template <bool Walls, bool Factor>
 
 /// Sums of quantities, of them times x and of them times y, relative to another origin.
 /// @param used whether there is such a quantity.
-[[gnu::always_inline]] inline void add_moments(const double* x, const double* y,
-                                               const double (*quantities)[kPixels], const bool* used,
+[[gnu::always_inline]] inline void add_moments(const float* x, const float* y,
+                                               const float (*quantities)[kPixels], const bool* used,
                                                Vec2 offset, ShapeGradient& gradient) {
   Lanes c[kPlanes];
   Lanes cx[kPlanes];
@@ -154,17 +163,11 @@ template <bool Walls, bool Factor>
   sum_lanes(c, one);
   sum_lanes(cx, by_x);
   sum_lanes(cy, by_y);
-  by_x += offset.x * one;
-  by_y += offset.y * one;
-  const auto add = [](std::array<double, kPlanes>& sum, const Lanes& more) {
-    Lanes all;
-    std::memcpy(&all, sum.data(), sizeof all);
-    all += more;
-    std::memcpy(sum.data(), &all, sizeof all);
-  };
-  add(gradient.c, one);
-  add(gradient.x, by_x);
-  add(gradient.y, by_y);
+  for (std::size_t k = 0; k < kPlanes; ++k) {
+    gradient.c[k] += static_cast<double>(one[k]);
+    gradient.x[k] += static_cast<double>(by_x[k]) + offset.x * static_cast<double>(one[k]);
+    gradient.y[k] += static_cast<double>(by_y[k]) + offset.y * static_cast<double>(one[k]);
+  }
 }
 
 }  // namespace
@@ -215,10 +218,10 @@ void add_affine(const Shape& s, const ShapeGradient& g, std::array<Vec2, 3>& sum
 }
 
 KNOTREEL_MULTIVERSION
-void add_pixels(const Shape& s, const double* x, const double* y, const double* const* q, Vec2 offset,
+void add_pixels(const Shape& s, const float* x, const float* y, const float* const* q, Vec2 offset,
                 ShapeGradient& gradient) {
-  double quantities[kPlanes][kPixels];
-  double* o[kPlanes];
+  float quantities[kPlanes][kPixels];
+  float* o[kPlanes];
   for (std::size_t k = 0; k < kPlanes; ++k) o[k] = quantities[k];
   if (s.has_factor) {
     fill_by_slopes<true, true>(s, x, y, q, o);

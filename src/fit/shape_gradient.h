@@ -45,10 +45,10 @@ double change(const ShapeGradient& g, const Shape& from, const Shape& to);
 /// and by y times a small step along either axis, which are the components of each vector.
 void add_affine(const Shape& s, const ShapeGradient& g, std::array<Vec2, 3>& sum);
 
-/// Adds the pixels of a tile. @param x, y of the pixels, relative to the origin of the shape. @param q
-/// residual times control point, of each of the three functions. @param offset of the origin of the shape
-/// from that of the gradient.
-void add_pixels(const Shape& s, const double* x, const double* y, const double* const* q, Vec2 offset,
+/// Adds the pixels of a tile, in single precision. @param x, y of the pixels, relative to the origin of the
+/// shape. @param q residual times control point, of each of the three functions. @param offset of the origin
+/// of the shape from that of the gradient.
+void add_pixels(const Shape& s, const float* x, const float* y, const float* const* q, Vec2 offset,
                 ShapeGradient& gradient);
 
 }  // namespace knotreel::fit
