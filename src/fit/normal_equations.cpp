@@ -94,8 +94,8 @@ TilePixels<Value> pixels_of(const image::Image& target, std::span<const float> w
 
 /// The sums of the lanes of four vectors.
 template <class Value>
-[[gnu::always_inline]] inline typename RowOf<Value>::Half sum_lanes(
-    const typename RowOf<Value>::Type (&rows)[kBlock]) {
+[[gnu::always_inline]] inline void sum_lanes(const typename RowOf<Value>::Type (&rows)[kBlock],
+                                             Value* __restrict out) {
   using Half = typename RowOf<Value>::Half;
   Half halves[kBlock];
   for (std::size_t j = 0; j < kBlock; ++j) {
@@ -107,8 +107,9 @@ template <class Value>
     pairs[j] = __builtin_shufflevector(halves[2 * j], halves[2 * j + 1], 0, 1, 4, 5) +
                __builtin_shufflevector(halves[2 * j], halves[2 * j + 1], 2, 3, 6, 7);
   }
-  return __builtin_shufflevector(pairs[0], pairs[1], 0, 2, 4, 6) +
-         __builtin_shufflevector(pairs[0], pairs[1], 1, 3, 5, 7);
+  const Half four = __builtin_shufflevector(pairs[0], pairs[1], 0, 2, 4, 6) +
+                    __builtin_shufflevector(pairs[0], pairs[1], 1, 3, 5, 7);
+  std::memcpy(out, &four, sizeof four);
 }
 
 template <class Value>
@@ -124,10 +125,7 @@ template <class Value>
       for (std::size_t j = 0; j < kBlock; ++j) sums[i][j] += left * right[j];
     }
   }
-  for (std::size_t i = 0; i < kBlock; ++i) {
-    const typename RowOf<Value>::Half four = sum_lanes<Value>(sums[i]);
-    std::memcpy(out + i * kBlock, &four, sizeof four);
-  }
+  for (std::size_t i = 0; i < kBlock; ++i) sum_lanes(sums[i], out + i * kBlock);
 }
 
 /// All products of kBlock functions with kBlock others, summed over the pixels of a tile: columns first, so
@@ -307,11 +305,9 @@ Eigen::SparseMatrix<double> to_matrix(const std::vector<Columns>& blocks, std::s
   return matrix;
 }
 
-}  // namespace
-
 template <class Value>
-NormalEquations assemble(const PixelValues& values, const image::Image& target,
-                         std::span<const float> weights) {
+NormalEquations assemble_in(const PixelValues& values, const image::Image& target,
+                            std::span<const float> weights) {
   const auto& mesh = values.basis().space().mesh();
   if (target.width != values.width() || target.height != values.height() ||
       std::fmod(mesh.width, target.width) != 0 || std::fmod(mesh.height, target.height) != 0)
@@ -338,6 +334,14 @@ NormalEquations assemble(const PixelValues& values, const image::Image& target,
   });
   normal.matrix = to_matrix(columns, functions);
   return normal;
+}
+
+}  // namespace
+
+template <class Value>
+NormalEquations assemble(const PixelValues& values, const image::Image& target,
+                         std::span<const float> weights) {
+  return assemble_in<Value>(values, target, weights);
 }
 
 template NormalEquations assemble<double>(const PixelValues&, const image::Image&, std::span<const float>);
