@@ -34,7 +34,7 @@ struct Case {
 
   /// With the ridge that makes them definite.
   NormalEquations normal(const PixelValues& at) const {
-    NormalEquations equations = assemble<float>(at, picture, {});
+    NormalEquations equations = assemble<double>(at, picture, {});
     const double ridge = ColourFitOptions{}.ridge * equations.matrix.diagonal().maxCoeff();
     for (Eigen::Index i = 0; i < equations.matrix.rows(); ++i) equations.matrix.coeffRef(i, i) += ridge;
     return equations;
@@ -54,12 +54,20 @@ void run(benchmark::State& state, const Work& work) {
   work(c);
 }
 
-/// All basis functions at all pixels.
+/// Which functions reach which tiles.
+void BM_MakePixelValues(benchmark::State& state) {
+  run(state, [&](const Case& c) {
+    for (auto _ : state) benchmark::DoNotOptimize(c.values().tile_count());
+  });
+}
+
+/// All basis functions at all pixels, in a precision.
+template <typename Value>
 void BM_PixelValues(benchmark::State& state) {
   run(state, [&](const Case& c) {
-    std::vector<double> at;
+    std::vector<Value> at;
+    const PixelValues values = c.values();
     for (auto _ : state) {
-      const PixelValues values = c.values();
       for (std::size_t t = 0; t < values.tile_count(); ++t) {
         at.resize(values.functions(t).size() * PixelValues::kTilePixels);
         values.evaluate(t, at.data());
@@ -69,10 +77,11 @@ void BM_PixelValues(benchmark::State& state) {
   });
 }
 
+template <typename Value>
 void BM_Assemble(benchmark::State& state) {
   run(state, [&](const Case& c) {
     const PixelValues values = c.values();
-    for (auto _ : state) benchmark::DoNotOptimize(assemble<float>(values, c.picture, {}).matrix.nonZeros());
+    for (auto _ : state) benchmark::DoNotOptimize(assemble<Value>(values, c.picture, {}).matrix.nonZeros());
   });
 }
 
@@ -122,10 +131,12 @@ void BM_SolveReduced(benchmark::State& state) {
 }
 
 /// All of it but the values of the basis functions.
+template <Precision kPrecision>
 void BM_FitColours(benchmark::State& state) {
   run(state, [&](const Case& c) {
     const PixelValues values = c.values();
-    for (auto _ : state) benchmark::DoNotOptimize(fit_colours(values, c.pixels()).control.data());
+    const ColourFitOptions options{.precision = kPrecision};
+    for (auto _ : state) benchmark::DoNotOptimize(fit_colours(values, c.pixels(), options).control.data());
   });
 }
 
@@ -173,13 +184,17 @@ void sizes(benchmark::internal::Benchmark* bench) {
   bench->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
-BENCHMARK(BM_PixelValues)->Apply(sizes);
-BENCHMARK(BM_Assemble)->Apply(sizes);
+BENCHMARK(BM_MakePixelValues)->Apply(sizes);
+BENCHMARK(BM_PixelValues<float>)->Apply(sizes);
+BENCHMARK(BM_PixelValues<double>)->Apply(sizes);
+BENCHMARK(BM_Assemble<float>)->Apply(sizes);
+BENCHMARK(BM_Assemble<double>)->Apply(sizes);
 BENCHMARK(BM_Analyse)->Apply(sizes);
 BENCHMARK(BM_Factor)->Apply(sizes);
 BENCHMARK(BM_Resolve)->Apply(sizes);
 BENCHMARK(BM_SolveReduced)->Apply(sizes);
-BENCHMARK(BM_FitColours)->Apply(sizes);
+BENCHMARK(BM_FitColours<Precision::kSingle>)->Apply(sizes);
+BENCHMARK(BM_FitColours<Precision::kDouble>)->Apply(sizes);
 BENCHMARK(BM_KnotGradient)->Apply(sizes);
 BENCHMARK(BM_FitGeometry)->Apply(sizes);
 BENCHMARK(BM_InvertGeometry)->Apply(sizes);

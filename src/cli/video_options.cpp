@@ -128,6 +128,8 @@ nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
           {"drift", o.drift},
           {"look_interval", o.look_interval},
           {"rework_interval", o.rework_interval},
+          {"bend_interval", o.bend_interval},
+          {"knot_bits", o.knot_bits},
           {"restart_gain", o.restart_gain}};
 }
 

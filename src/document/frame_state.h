@@ -8,6 +8,7 @@
 #include "document/conquest.h"
 #include "document/frame_models.h"
 #include "knotreel/document/frame_model.h"
+#include "knotreel/document/limits.h"
 #include "knotreel/document/sequence_info.h"
 #include "knotreel/spline/space.h"
 
@@ -17,8 +18,6 @@ using mesh::KnotId;
 using mesh::KnotIndex;
 using mesh::KnotKind;
 
-inline constexpr int kMinKnotBits = 0;
-inline constexpr int kMaxKnotBits = 14;
 inline constexpr std::int64_t kMaxColourUnit = 255;
 inline constexpr std::int64_t kSegmentUnit = 65536;  ///< the whole length of a feature segment
 inline constexpr double kColourUnits = 512;          ///< per level: resolution of the colour step

@@ -21,14 +21,18 @@ constexpr std::size_t kPlanes = ShapeGradient::kPlanes;
 /// Pixels that are summed side by side: a fixed order, whatever the width of vectors.
 using Lanes [[gnu::vector_size(kLanes * sizeof(float))]] = float;
 
-/// As spline::Plane, in single precision.
-struct SinglePlane {
-  explicit SinglePlane(const Plane& p)
-      : c(static_cast<float>(p.c)), x(static_cast<float>(p.x)), y(static_cast<float>(p.y)) {}
-  float c;
-  float x;
-  float y;
-};
+using SinglePlane = spline::PlaneIn<float>;
+
+[[gnu::always_inline]] inline SinglePlane single(const Plane& p) {
+  return {static_cast<float>(p.c), static_cast<float>(p.x), static_cast<float>(p.y)};
+}
+
+template <std::size_t N>
+[[gnu::always_inline]] inline std::array<SinglePlane, N> singles(const std::array<Plane, N>& planes) {
+  std::array<SinglePlane, N> result;
+  for (std::size_t i = 0; i < N; ++i) result[i] = single(planes[i]);
+  return result;
+}
 
 /// The quantities of the pixels of a tile whose moments are taken: o0 to o3 for the slopes, each where it
 /// rules, of for the factor and p0 to p2 for the weights. S: the number of slopes; quantities of those
@@ -41,9 +45,10 @@ template <int S, bool Walls, bool Factor>
                                                    float* __restrict o2, float* __restrict o3,
                                                    float* __restrict of, float* __restrict p0,
                                                    float* __restrict p1, float* __restrict p2) {
-  const SinglePlane s0(s.slopes[0]), s1(s.slopes[1]), s2(s.slopes[2]), s3(s.slopes[3]);
-  const SinglePlane a0(s.walls[0]), a1(s.walls[1]), a2(s.walls[2]);
-  const SinglePlane w0(s.weights[0]), w1(s.weights[1]), w2(s.weights[2]), wf(s.factor);
+  const auto [s0, s1, s2, s3] = singles(s.slopes);
+  const auto [a0, a1, a2] = singles(s.walls);
+  const auto [w0, w1, w2] = singles(s.weights);
+  const SinglePlane wf = single(s.factor);
   for (std::size_t i = 0; i < kPixels; ++i) {
     const float ux = x[i];
     const float uy = y[i];

@@ -108,14 +108,6 @@ class Boxes {
 template <class Value>
 using Shares = std::array<Value*, 3>;
 
-/// As spline::Plane, in the precision of the values.
-template <class Value>
-struct PlaneIn {
-  Value c = 0;
-  Value x = 0;
-  Value y = 0;
-};
-
 /// S: number of slopes, 0 for the constant tents of degree 1. Inlined into each version of add_term.
 template <int S, bool Walls, bool Factor, class Value>
 [[gnu::always_inline]] inline void term_loop(const Piece& piece, const PieceTerm& term, Vec2 origin,

@@ -6,11 +6,13 @@ namespace knotreel::spline {
 
 /// c + x (ux - ox) + y (uy - oy) with an origin o that many planes share: quicker than Affine where there are
 /// many points, and as precise near the origin.
-struct Plane {
-  double c = 0;
-  double x = 0;
-  double y = 0;
+template <class Value>
+struct PlaneIn {
+  Value c = 0;
+  Value x = 0;
+  Value y = 0;
 };
+using Plane = PlaneIn<double>;
 
 inline Plane operator-(const Plane& a, const Plane& b) {
   return {a.c - b.c, a.x - b.x, a.y - b.y};

@@ -1,6 +1,7 @@
 #include "knotreel/track/group_rule.h"
 
 #include "knotreel/base/error.h"
+#include "knotreel/document/limits.h"
 
 namespace knotreel::track {
 
@@ -11,6 +12,10 @@ GroupRule::GroupRule(const TrackOptions& options, Start first) : options_(option
     throw Error(ErrorKind::kInvalidArgument, "the frames between looks at what drifts are at least 1");
   if (options.rework_interval < 1)
     throw Error(ErrorKind::kInvalidArgument, "knots are looked at every frame or less often");
+  if (options.bend_interval < 1)
+    throw Error(ErrorKind::kInvalidArgument, "feature curves are looked at every frame or less often");
+  if (options.knot_bits < document::kMinKnotBits || options.knot_bits > document::kMaxKnotBits)
+    throw Error(ErrorKind::kInvalidArgument, "the knot bits of a document are 0 to 14");
 }
 
 Start GroupRule::start_of(const Motion* motion) const {

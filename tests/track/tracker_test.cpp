@@ -331,6 +331,16 @@ TEST(Tracker, BetweenReworksKnotsOnlyFollowTheMotion) {
   }
 }
 
+TEST(Tracker, CurvesAreBentEverySoManyFrames) {
+  const auto bent = [](const FrameReport& report) {
+    return std::ranges::any_of(report.milliseconds, [](const auto& lap) { return lap.first == "geometry"; });
+  };
+  const std::vector<image::Image> pictures = moving(7);
+  const Tracked run = track(pictures, {.bend_interval = 3, .curve_error = 0, .birth_interval = 0});
+  // The first warm frame is looked at, and every third after it.
+  for (std::size_t i = 1; i < pictures.size(); ++i) EXPECT_EQ(bent(run.reports[i]), i % 3 == 1) << i;
+}
+
 TEST(Tracker, NeighboursOfNewKnotsMoveOnlyWhereMuchIsNew) {
   const std::vector<image::Image> pictures = moving(5);
   const Tracked never = track(pictures, {.much_new = 1}, 0);
@@ -390,6 +400,9 @@ TEST(Tracker, WrongOptionsAreRefused) {
   EXPECT_THROW(Tracker({}, {.keyframe_interval = 0}), Error);
   EXPECT_THROW(Tracker({}, {.look_interval = 0}), Error);
   EXPECT_THROW(Tracker({}, {.rework_interval = 0}), Error);
+  EXPECT_THROW(Tracker({}, {.bend_interval = 0}), Error);
+  EXPECT_THROW(Tracker({}, {.knot_bits = -1}), Error);
+  EXPECT_THROW(Tracker({}, {.knot_bits = 15}), Error);
 }
 
 }  // namespace

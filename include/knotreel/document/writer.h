@@ -5,6 +5,7 @@
 #include <memory>
 
 #include "knotreel/document/frame_model.h"
+#include "knotreel/document/limits.h"
 #include "knotreel/document/sequence_info.h"
 
 namespace knotreel::document {
@@ -12,7 +13,8 @@ namespace knotreel::document {
 /// How exactly and how hard to pack. The errors that follow are at most half a step (docs/format.md,
 /// "Bounds").
 struct EncodeOptions {
-  /// Knots lie on a grid of 2^-knot_bits px, 0 to 14; a frame whose faces would flip takes a finer one.
+  /// Knots lie on a grid of 2^-knot_bits px, kMinKnotBits to kMaxKnotBits; a frame whose faces would flip
+  /// takes a finer one.
   int knot_bits = 6;
   /// The same for frames that are no keyframes, where coarser. Moved knots cost two bits per halving.
   int delta_knot_bits = 4;

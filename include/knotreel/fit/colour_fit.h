@@ -13,7 +13,7 @@ namespace knotreel::fit {
 /// Their set-up, and the sums over tiles, are always double.
 enum class Precision : std::uint8_t {
   kDouble,
-  kSingle,  ///< takes half the time; functions are wrong by 2e-5, next to faces of 0.01 px by up to 1e-3
+  kSingle,  ///< quicker (docs/decisions/0022); functions are wrong by 2e-5, next to faces of 0.01 px by 1e-3
 };
 
 struct ColourFitOptions {

@@ -66,7 +66,7 @@ class PixelValues {
   /// pixels beside the picture zero. They agree with Basis::evaluate() to 1e-10.
   /// @param values room for as many.
   void evaluate(std::size_t tile, double* values) const;
-  /// The same in single precision, which takes about half the time.
+  /// The same in single precision.
   void evaluate(std::size_t tile, float* values) const;
 
   /// Places of the pixels of a tile, relative to its corner; pixels beside the picture are somewhere near.
