@@ -3,7 +3,13 @@
 #include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+#include <oneapi/tbb/task_group.h>
 
+#include <algorithm>
+#include <utility>
+
+#include "base/shared_loop.h"
 #include "knotreel/base/happens_before.h"
 
 namespace knotreel {
@@ -18,7 +24,39 @@ ThreadCap::~ThreadCap() {
   delete static_cast<oneapi::tbb::global_control*>(impl_);
 }
 
-void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
+namespace {
+
+std::size_t threads_allowed() {
+  using Control = oneapi::tbb::global_control;
+  return Control::active_value(Control::max_allowed_parallelism);
+}
+
+/// Idle threads come by a task of oneTBB, busy ones see the loop on the board.
+void run_urgently(std::size_t count, const std::function<void(std::size_t)>& body) {
+  const std::size_t threads = std::min(threads_allowed(), count);
+  SharedLoop loop(count, threads, body);
+  HappensBefore begun;
+  begun.release();
+  // Isolated: to wait for helpers must not mean to begin with anything else.
+  oneapi::tbb::this_task_arena::isolate([&] {
+    oneapi::tbb::task_group helpers;
+    for (std::size_t i = 1; i < threads; ++i) {
+      helpers.run([&] {
+        begun.acquire();
+        loop.help();
+      });
+    }
+    try {
+      loop.run();
+    } catch (...) {
+      helpers.wait();
+      throw;
+    }
+    helpers.wait();
+  });
+}
+
+void run_plainly(std::size_t count, const std::function<void(std::size_t)>& body) {
   HappensBefore begun;
   HappensBefore ended;
   begun.release();
@@ -26,8 +64,24 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
     begun.acquire();
     body(i);
     ended.release();
+    if (!urgent_here()) SharedLoop::help_all();
   });
   ended.acquire();
+}
+
+}  // namespace
+
+Urgent::Urgent() : before_(std::exchange(urgent_here(), true)) {}
+Urgent::~Urgent() {
+  urgent_here() = before_;
+}
+
+void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body) {
+  if (urgent_here() && count > 1 && threads_allowed() > 1) {
+    run_urgently(count, body);
+  } else {
+    run_plainly(count, body);
+  }
 }
 
 void parallel_invoke(const std::function<void()>& first, const std::function<void()>& second) {

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
 #include "knotreel/motion/luma.h"
 #include "knotreel/pipeline/sequence.h"
 #include "knotreel/track/curve_error.h"
@@ -86,6 +87,7 @@ void Stages::cold(Message& message) {
 
 void Stages::model(Message& message) {
   timed(failure_, "model", message, [&] {
+    const Urgent urgent;  // models follow each other
     track::FrameReport report;
     track::Tracker& tracker = message.stretch->tracker;
     message.model = tracker.next(*message.picture, message.motion.get(), &report, std::move(message.cold));

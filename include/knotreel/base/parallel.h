@@ -23,6 +23,20 @@ class ThreadCap {
 /// body cancel the loop and are rethrown here.
 void parallel_for(std::size_t count, const std::function<void(std::size_t)>& body);
 
+/// While one exists, the loops of the thread that made it are what others wait for: threads at work on loops
+/// that are not urgent help with them after each of their own calls of a body. So the bodies of all loops
+/// must leave nothing behind in their thread that the next call counts on.
+class Urgent {
+ public:
+  Urgent();
+  ~Urgent();
+  Urgent(const Urgent&) = delete;
+  Urgent& operator=(const Urgent&) = delete;
+
+ private:
+  bool before_;
+};
+
 /// Calls both, at the same time if threads are idle. Neither may write what the other reads. Exceptions are
 /// rethrown here.
 void parallel_invoke(const std::function<void()>& first, const std::function<void()>& second);
