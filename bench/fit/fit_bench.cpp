@@ -10,6 +10,7 @@
 #include "knotreel/fit/colour_fit.h"
 #include "knotreel/fit/geometry_fit.h"
 #include "knotreel/fit/knot_gradient.h"
+#include "knotreel/fit/pixel_places.h"
 #include "knotreel/spline/smooth_corners.h"
 #include "support/bench_scene.h"
 
@@ -168,13 +169,15 @@ void BM_FitGeometry(benchmark::State& state) {
   });
 }
 
-void BM_InvertGeometry(benchmark::State& state) {
+void BM_PixelPlaces(benchmark::State& state) {
   run(state, [&](const Case& c) {
     const std::vector<Vec2> places = displaced_places(c.picture);
     const PixelValues values(c.basis, c.picture.width, c.picture.height, places);
     const std::vector<Vec2> displacement = fit_geometry(values, places, {});
-    for (auto _ : state)
-      benchmark::DoNotOptimize(invert_geometry(values, displacement, places).places.data());
+    for (auto _ : state) {
+      const auto found = pixel_places(c.basis, displacement, c.picture.width, c.picture.height);
+      benchmark::DoNotOptimize(found.data());
+    }
   });
 }
 
@@ -197,7 +200,7 @@ BENCHMARK(BM_FitColours<Precision::kSingle>)->Apply(sizes);
 BENCHMARK(BM_FitColours<Precision::kDouble>)->Apply(sizes);
 BENCHMARK(BM_KnotGradient)->Apply(sizes);
 BENCHMARK(BM_FitGeometry)->Apply(sizes);
-BENCHMARK(BM_InvertGeometry)->Apply(sizes);
+BENCHMARK(BM_PixelPlaces)->Apply(sizes);
 
 }  // namespace
 }  // namespace knotreel::fit

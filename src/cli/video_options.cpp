@@ -130,6 +130,7 @@ nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
           {"rework_interval", o.rework_interval},
           {"bend_interval", o.bend_interval},
           {"knot_bits", o.knot_bits},
+          {"displacement_step", o.displacement_step},
           {"restart_gain", o.restart_gain}};
 }
 

@@ -1,5 +1,6 @@
 #include "knotreel/document/stored_mesh.h"
 
+#include <cmath>
 #include <utility>
 
 #include "document/bytes.h"
@@ -17,6 +18,10 @@ StoredMesh stored_mesh(const mesh::KnotMesh& mesh, int knot_bits) {
   } catch (const Malformed& e) {
     throw Error(ErrorKind::kInvalidArgument, std::string("cannot store a frame: ") + e.what());
   }
+}
+
+void round_displacement(std::vector<Vec2>& displacement, double step) {
+  for (Vec2& d : displacement) d = {std::round(d.x / step) * step, std::round(d.y / step) * step};
 }
 
 }  // namespace knotreel::document

@@ -11,9 +11,9 @@ namespace {
 
 using BasisPointer = std::shared_ptr<const spline::Basis>;
 
-image::Image rendered(const document::FrameModel& model, const BasisPointer& basis,
+image::Image rendered(const Message& message, const BasisPointer& basis,
                       const raster::RenderOptions& options) {
-  const raster::Renderer renderer(model, options, basis);
+  const raster::Renderer renderer(message.model, options, basis, message.placed);
   image::Image image = image::make_image(renderer.width(), renderer.height(), renderer.channels());
   renderer.rows(0, image.height, image.samples);
   return image;
@@ -60,12 +60,11 @@ PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo&
 
 void PictureOutput::draw(Message& message, const BasisPointer& basis) const {
   if (message.picture) {
-    image::Image own = rendered(message.model, basis, {});
+    image::Image own = rendered(message, basis, {});
     measure(*message.picture, own, message.row);
     if (writer_ && same_size_) message.rendering = std::move(own);
   }
-  if (writer_ && message.rendering.samples.empty())
-    message.rendering = rendered(message.model, basis, at_output_);
+  if (writer_ && message.rendering.samples.empty()) message.rendering = rendered(message, basis, at_output_);
   image::put_on_background(message.rendering.samples, message.rendering.channels, background_);
   message.rendering.channels = image::channels_on(background_, message.rendering.channels);
 }

@@ -91,7 +91,7 @@ void Stages::model(Message& message) {
     track::FrameReport report;
     track::Tracker& tracker = message.stretch->tracker;
     message.model = tracker.next(*message.picture, message.motion.get(), &report, std::move(message.cold));
-    message.basis = tracker.basis();
+    message.placed = tracker.placed();
     message.motion.reset();
     message.stretch.reset();
     message.model.frame = message.index;
@@ -108,8 +108,10 @@ void Stages::documents(Message& message) {
   timed(failure_, "documents", message, [&] {
     if (!job_.split_folder.empty()) write_single(message);
     const std::uint64_t before = document_.bytes();
-    message.model = document_.append(message.model);
-    if (&message.basis->space() != message.model.space.get()) message.basis.reset();
+    document::FrameModel stored = document_.append(message.model);
+    if (stored.space != message.model.space || stored.displacement != message.model.displacement)
+      message.placed.reset();
+    message.model = std::move(stored);
     message.row.bytes = document_.bytes() - before;
   });
 }
@@ -124,13 +126,14 @@ void Stages::write_single(const Message& message) {
 
 void Stages::rasterize(Message& message) {
   timed(failure_, "rasterize", message, [&] {
-    if (!message.basis) message.basis = std::make_shared<const spline::Basis>(message.model.space);
-    output_.draw(message, message.basis);
-    message.row.meg = track::curve_error(message.model, *message.basis, motion::luma_of(*message.picture));
+    const auto basis =
+        message.placed ? message.placed->basis() : std::make_shared<const spline::Basis>(message.model.space);
+    output_.draw(message, basis);
+    message.row.meg = track::curve_error(message.model, *basis, motion::luma_of(*message.picture));
     beside_.compose(message);
     if (job_.watch.stored) job_.watch.stored(message.index, *message.picture, message.model);
     message.model = {};
-    message.basis.reset();
+    message.placed.reset();
     message.picture.reset();
   });
 }

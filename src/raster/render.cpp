@@ -7,9 +7,11 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
+#include "knotreel/fit/pixel_places.h"
 #include "raster/colour_mean.h"
 #include "raster/feature_trace.h"
 #include "raster/frame_size.h"
+#include "raster/part.h"
 #include "raster/surface.h"
 #include "raster/tile.h"
 
@@ -18,6 +20,21 @@ namespace knotreel::raster {
 namespace {
 
 constexpr int kSamples = 64;
+constexpr int kPlacedSide = spline::PixelValues::kSide;  // of the tiles of pictures of the size of the model
+
+// The places of the pixels of larger pictures are not found for all of them at once, to save memory.
+constexpr double kMostPlaced = 1 << 22;
+
+/// Pixels in the order of rows.
+std::uint64_t pixel_at(int x, int y) {
+  return (static_cast<std::uint64_t>(y) << 32) | static_cast<std::uint32_t>(x);
+}
+int column_of(std::uint64_t pixel) {
+  return static_cast<int>(pixel & 0xffffffffu);
+}
+int row_of(std::uint64_t pixel) {
+  return static_cast<int>(pixel >> 32);
+}
 
 /// 64 points of the unit square, one in each 64th of both axes (Hammersley): coverage of an edge of any
 /// direction is right to about 1/32, of an upright one to 1/128.
@@ -35,9 +52,9 @@ std::array<Vec2, kSamples> sample_pattern() {
 
 struct Renderer::State {
   State(const document::FrameModel& model, const RenderOptions& options,
-        std::shared_ptr<const spline::Basis> basis)
+        std::shared_ptr<const spline::Basis> basis, std::shared_ptr<const spline::PlacedBasis> given)
       : size(resolve_size(model, options)),
-        surface(model, std::move(basis)),
+        surface(model, basis),
         trace(surface, model.space->mesh()),
         channels(static_cast<std::size_t>(model.channels)),
         antialias(options.antialias) {
@@ -51,12 +68,18 @@ struct Renderer::State {
     };
     tile_width = side(fine_width);
     tile_height = side(fine_height);
+    if (size.pixel_width != 1 || size.pixel_height != 1) return;
+    if (surface.width() * surface.height() > kMostPlaced) return;
+    colour = model.colour;
+    placed = given ? std::move(given) : fit::place_basis(basis, model.displacement);
   }
 
   void fine_rows(int row_begin, int row_end, int column_begin, int column_end, float* out) const;
-  void draw_tile(Tile& tile, int tile_row, int tile_column, const std::vector<std::uint64_t>& crossed,
-                 int row_begin, int row_end, int column_begin, int column_end, float* out) const;
-
+  void draw_block(int tile_x0, int tile_y0, int tile_x1, int tile_y1,
+                  const std::vector<std::uint64_t>& crossed, const Part& part) const;
+  void draw_placed(int x0, int y0, const Part& part, std::vector<float>& memory) const;
+  void draw_centres(Tile& tile, int x0, int y0, const Part& part) const;
+  void draw_crossed(Tile& tile, std::span<const std::uint64_t> pixels, const Part& part) const;
   void reduce_row(const float* fine, int columns, float* out) const;
 
   FrameSize size;
@@ -64,6 +87,9 @@ struct Renderer::State {
   FeatureTrace trace;
   std::size_t channels;
   bool antialias;
+  /// Pictures of the size of the model: the basis at their pixels, and the colours of its control points.
+  std::shared_ptr<const spline::PlacedBasis> placed;
+  std::vector<double> colour;
   // The grid that is drawn is finer than the output where the picture is made smaller.
   int reduce_x;
   int reduce_y;
@@ -73,62 +99,104 @@ struct Renderer::State {
   int tile_height;
 };
 
-void Renderer::State::draw_tile(Tile& tile, int tile_row, int tile_column,
-                                const std::vector<std::uint64_t>& crossed, int row_begin, int row_end,
-                                int column_begin, int column_end, float* out) const {
-  // The whole tile takes part in the set-up, whatever part of it is asked for: same bits for any crop or
-  // band.
-  const int x0 = tile_column * tile_width;
-  const int y0 = tile_row * tile_height;
-  tile.set({x0 * fine_width, y0 * fine_height},
-           {(x0 + tile_width) * fine_width, (y0 + tile_height) * fine_height});
-  const auto to = [&](int x, int y) {
-    return out +
-           (static_cast<std::size_t>(y - row_begin) * static_cast<std::size_t>(column_end - column_begin) +
-            static_cast<std::size_t>(x - column_begin)) *
-               channels;
-  };
-  const int xb = std::max(x0, column_begin);
-  const int xe = std::min(x0 + tile_width, column_end);
-  const int yb = std::max(y0, row_begin);
-  const int ye = std::min(y0 + tile_height, row_end);
-
+/// The surface at the centres of all pixels of a tile.
+void Renderer::State::draw_centres(Tile& tile, int x0, int y0, const Part& part) const {
   alignas(64) std::array<double, kBatch> x;
   alignas(64) std::array<double, kBatch> y;
-  alignas(64) std::array<double, 4 * kBatch> colour;
+  alignas(64) std::array<double, 4 * kBatch> colours;
   const int n = tile_width * tile_height;
   for (int i = 0; i < n; ++i) {
     x[static_cast<std::size_t>(i)] = (x0 + i % tile_width + 0.5) * fine_width;
     y[static_cast<std::size_t>(i)] = (y0 + i / tile_width + 0.5) * fine_height;
   }
-  tile.colours(x.data(), y.data(), n, colour.data());
-  for (int py = yb; py < ye; ++py) {
-    for (int px = xb; px < xe; ++px) {
+  tile.colours(x.data(), y.data(), n, colours.data());
+  const int x1 = std::min(x0 + tile_width, part.column_end);
+  const int y1 = std::min(y0 + tile_height, part.row_end);
+  for (int py = std::max(y0, part.row_begin); py < y1; ++py) {
+    for (int px = std::max(x0, part.column_begin); px < x1; ++px) {
       const auto i = static_cast<std::size_t>((py - y0) * tile_width + (px - x0));
-      for (std::size_t c = 0; c < channels; ++c) to(px, py)[c] = static_cast<float>(colour[c * kBatch + i]);
+      for (std::size_t c = 0; c < channels; ++c)
+        part.at(px, py)[c] = static_cast<float>(colours[c * kBatch + i]);
     }
   }
-  if (crossed.empty()) return;
+}
+
+/// The same, where the basis has been evaluated there.
+void Renderer::State::draw_placed(int x0, int y0, const Part& part, std::vector<float>& memory) const {
+  spline::TileSurface<float> colours;
+  const spline::PixelValues& values = placed->values();
+  const std::size_t index = static_cast<std::size_t>(y0 / kPlacedSide) * values.tile_columns() +
+                            static_cast<std::size_t>(x0 / kPlacedSide);
+  spline::surface_of_tile(values, index, colour, static_cast<int>(channels), memory, colours);
+  const int x1 = std::min(x0 + kPlacedSide, part.column_end);
+  const int y1 = std::min(y0 + kPlacedSide, part.row_end);
+  for (int py = std::max(y0, part.row_begin); py < y1; ++py) {
+    for (int px = std::max(x0, part.column_begin); px < x1; ++px) {
+      const auto i = static_cast<std::size_t>((py - y0) * kPlacedSide + (px - x0));
+      for (std::size_t c = 0; c < channels; ++c)
+        part.at(px, py)[c] = colours[c * spline::PixelValues::kTilePixels + i];
+    }
+  }
+}
+
+/// Means over pixels of a tile that features cross.
+void Renderer::State::draw_crossed(Tile& tile, std::span<const std::uint64_t> pixels,
+                                   const Part& part) const {
   static const std::array<Vec2, kSamples> pattern = sample_pattern();
-  for (int py = yb; py < ye; ++py) {
-    const std::uint64_t row = static_cast<std::uint64_t>(py) << 32;
-    auto it = std::lower_bound(crossed.begin(), crossed.end(), row | static_cast<std::uint32_t>(xb));
-    for (; it != crossed.end() && *it < (row | static_cast<std::uint32_t>(xe)); ++it) {
-      const int px = static_cast<int>(*it & 0xffffffffu);
-      for (std::size_t i = 0; i < kSamples; ++i) {
-        x[i] = (px + pattern[i].x) * fine_width;
-        y[i] = (py + pattern[i].y) * fine_height;
+  alignas(64) std::array<double, kBatch> x;
+  alignas(64) std::array<double, kBatch> y;
+  alignas(64) std::array<double, 4 * kBatch> colours;
+  for (const std::uint64_t pixel : pixels) {
+    const int px = column_of(pixel);
+    const int py = row_of(pixel);
+    for (std::size_t i = 0; i < kSamples; ++i) {
+      x[i] = (px + pattern[i].x) * fine_width;
+      y[i] = (py + pattern[i].y) * fine_height;
+    }
+    tile.colours(x.data(), y.data(), kSamples, colours.data());
+    ColourMean mean(channels);
+    for (std::size_t i = 0; i < kSamples; ++i) mean.add(colours.data() + i, kBatch);
+    mean.store(part.at(px, py));
+  }
+}
+
+/// Tiles [tile_x0, tile_x1) x [tile_y0, tile_y1), which share a look-up of terms.
+void Renderer::State::draw_block(int tile_x0, int tile_y0, int tile_x1, int tile_y1,
+                                 const std::vector<std::uint64_t>& crossed, const Part& part) const {
+  Tile tile(surface);
+  bool is_set = false;
+  std::vector<float> memory;
+  std::vector<std::uint64_t> pixels;
+  for (int ty = tile_y0; ty < tile_y1; ++ty) {
+    for (int tx = tile_x0; tx < tile_x1; ++tx) {
+      const int x0 = tx * tile_width;
+      const int y0 = ty * tile_height;
+      pixels.clear();
+      for (int y = y0; y < y0 + tile_height && !crossed.empty(); ++y) {
+        const auto first = std::lower_bound(crossed.begin(), crossed.end(), pixel_at(x0, y));
+        pixels.insert(pixels.end(), first,
+                      std::lower_bound(first, crossed.end(), pixel_at(x0 + tile_width, y)));
       }
-      tile.colours(x.data(), y.data(), kSamples, colour.data());
-      ColourMean mean(channels);
-      for (std::size_t i = 0; i < kSamples; ++i) mean.add(colour.data() + i, kBatch);
-      mean.store(to(px, py));
+      if (placed) draw_placed(x0, y0, part, memory);
+      if (placed && pixels.empty()) continue;
+      if (!is_set) {
+        tile.set_block({tile_x0 * tile_width * fine_width, tile_y0 * tile_height * fine_height},
+                       {tile_x1 * tile_width * fine_width, tile_y1 * tile_height * fine_height});
+        is_set = true;
+      }
+      // The whole tile takes part in the set-up, whatever part of it is asked for: same bits for any crop or
+      // band.
+      tile.set({x0 * fine_width, y0 * fine_height},
+               {(x0 + tile_width) * fine_width, (y0 + tile_height) * fine_height});
+      if (!placed) draw_centres(tile, x0, y0, part);
+      draw_crossed(tile, pixels, part);
     }
   }
 }
 
 void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, int column_end,
                                 float* out) const {
+  const Part part{row_begin, row_end, column_begin, column_end, channels, out};
   std::vector<std::uint64_t> crossed;
   if (antialias) {
     crossed = trace.crossed_pixels(fine_width, fine_height, row_begin, row_end, column_begin, column_end);
@@ -137,25 +205,16 @@ void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, in
   const int last_column = (column_end - 1) / tile_width;
   const int first_row = row_begin / tile_height;
   const int last_row = (row_end - 1) / tile_height;
-  // Blocks of neighbouring tiles share a Tile and its look-up of terms.
   constexpr int kBlockColumns = 8;
   constexpr int kBlockRows = 4;
   const int blocks_per_row = (last_column - first_column) / kBlockColumns + 1;
   const int block_rows = (last_row - first_row) / kBlockRows + 1;
   parallel_for(static_cast<std::size_t>(block_rows * blocks_per_row), [&](std::size_t block) {
     const int i = static_cast<int>(block);
-    const int tile_x0 = first_column + i % blocks_per_row * kBlockColumns;
-    const int tile_y0 = first_row + i / blocks_per_row * kBlockRows;
-    const int tile_x1 = std::min(tile_x0 + kBlockColumns, last_column + 1);
-    const int tile_y1 = std::min(tile_y0 + kBlockRows, last_row + 1);
-    Tile tile(surface);
-    tile.set_block({tile_x0 * tile_width * fine_width, tile_y0 * tile_height * fine_height},
-                   {tile_x1 * tile_width * fine_width, tile_y1 * tile_height * fine_height});
-    for (int y = tile_y0; y < tile_y1; ++y) {
-      for (int x = tile_x0; x < tile_x1; ++x) {
-        draw_tile(tile, y, x, crossed, row_begin, row_end, column_begin, column_end, out);
-      }
-    }
+    const int x0 = first_column + i % blocks_per_row * kBlockColumns;
+    const int y0 = first_row + i / blocks_per_row * kBlockRows;
+    draw_block(x0, y0, std::min(x0 + kBlockColumns, last_column + 1), std::min(y0 + kBlockRows, last_row + 1),
+               crossed, part);
   });
 }
 
@@ -178,8 +237,9 @@ void Renderer::State::reduce_row(const float* fine, int columns, float* out) con
 Renderer::Renderer(const document::FrameModel& model, const RenderOptions& options)
     : Renderer(model, options, std::make_shared<const spline::Basis>(model.space)) {}
 Renderer::Renderer(const document::FrameModel& model, const RenderOptions& options,
-                   std::shared_ptr<const spline::Basis> basis)
-    : state_(std::make_unique<State>(model, options, std::move(basis))) {}
+                   std::shared_ptr<const spline::Basis> basis,
+                   std::shared_ptr<const spline::PlacedBasis> placed)
+    : state_(std::make_unique<State>(model, options, std::move(basis), std::move(placed))) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;

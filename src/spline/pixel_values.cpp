@@ -469,22 +469,31 @@ void PixelValues::evaluate(std::size_t index, float* values) const {
 }
 
 template <class Value>
-void for_surface_tiles(const PixelValues& values, std::span<const double> control, int channel_count,
+void surface_of_tile(const PixelValues& values, std::size_t tile, std::span<const double> control,
+                     int channels, std::vector<Value>& memory, TileSurface<Value>& out) {
+  const std::span<const FunctionIndex> functions = values.functions(tile);
+  out.fill(0);
+  if (functions.empty()) return;
+  memory.resize(functions.size() * kPixels);
+  values.evaluate(tile, memory.data());
+  add_functions(memory.data(), functions, control.data(), static_cast<std::size_t>(channels), out.data());
+}
+
+template void surface_of_tile(const PixelValues&, std::size_t, std::span<const double>, int,
+                              std::vector<double>&, TileSurface<double>&);
+template void surface_of_tile(const PixelValues&, std::size_t, std::span<const double>, int,
+                              std::vector<float>&, TileSurface<float>&);
+
+template <class Value>
+void for_surface_tiles(const PixelValues& values, std::span<const double> control, int channels,
                        const std::function<void(std::size_t, const TileSurface<Value>&)>& visit) {
-  const auto channels = static_cast<std::size_t>(channel_count);
   const std::size_t columns = values.tile_columns();
   parallel_for(values.tile_count() / columns, [&](std::size_t row) {
-    std::vector<Value> at;
-    TileSurface<Value> sums;
+    std::vector<Value> memory;
+    TileSurface<Value> surface;
     for (std::size_t t = row * columns; t < (row + 1) * columns; ++t) {
-      const std::span<const FunctionIndex> functions = values.functions(t);
-      sums.fill(0);
-      if (!functions.empty()) {
-        at.resize(functions.size() * kPixels);
-        values.evaluate(t, at.data());
-        add_functions(at.data(), functions, control.data(), channels, sums.data());
-      }
-      visit(t, sums);
+      surface_of_tile(values, t, control, channels, memory, surface);
+      visit(t, surface);
     }
   });
 }

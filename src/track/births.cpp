@@ -218,11 +218,12 @@ std::vector<MissedChain> missed_chains(const features::FeatureChains& chains, co
 
 /// Where a point of the image is in the domain, to a fraction of a pixel.
 Vec2 place_of(const PlacedPixels& seen, Vec2 p) {
-  if (seen.places.empty()) return p;
+  const std::span<const Vec2> places = seen.placed->places();
+  if (places.empty()) return p;
   const int x = std::clamp(static_cast<int>(p.x), 0, seen.picture.width - 1);
   const int y = std::clamp(static_cast<int>(p.y), 0, seen.picture.height - 1);
   const std::size_t i = std::size_t(y) * std::size_t(seen.picture.width) + std::size_t(x);
-  return p + (seen.places[i] - Vec2{x + 0.5, y + 0.5});
+  return p + (places[i] - Vec2{x + 0.5, y + 0.5});
 }
 
 }  // namespace

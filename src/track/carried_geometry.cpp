@@ -27,8 +27,6 @@ std::vector<Name> group_names(const spline::SplineSpace& space) {
   return names;
 }
 
-constexpr double kTrace = 1 / 32.0;  // pixels: half of the usual step of a document
-
 struct Mean {
   Vec2 sum;
   double count = 0;
@@ -75,12 +73,6 @@ std::vector<Vec2> carried_displacement(const spline::SplineSpace& from, std::spa
     if (mean.count > 0) result[g] = (1 / mean.count) * mean.sum;
   }
   return result;
-}
-
-void drop_traces(std::span<Vec2> displacement) {
-  for (Vec2& d : displacement) {
-    if (std::abs(d.x) < kTrace && std::abs(d.y) < kTrace) d = {};
-  }
 }
 
 }  // namespace knotreel::track

@@ -12,9 +12,4 @@ namespace knotreel::track {
 std::vector<Vec2> carried_displacement(const spline::SplineSpace& from, std::span<const Vec2> displacement,
                                        const spline::SplineSpace& to);
 
-/// Makes displacements none that a document would store as none. What is carried and bent for many frames
-/// leaves traces of a few thousandths of a pixel everywhere; pixels that are not displaced at all cost far
-/// less.
-void drop_traces(std::span<Vec2> displacement);
-
 }  // namespace knotreel::track

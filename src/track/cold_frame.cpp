@@ -25,8 +25,11 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
   frame->milliseconds.emplace_back("cold", milliseconds_since(start));
   const Clock::time_point fitted = Clock::now();
   frame->basis = std::move(made.fitted.basis);
-  frame->placed = placed_pixels(picture, frame->space->mesh(), std::move(made.fitted.places),
-                                std::move(made.fitted.crossed));
+  frame->placed =
+      placed_pixels(picture,
+                    std::make_shared<const spline::PlacedBasis>(frame->basis, picture.width, picture.height,
+                                                                std::move(made.fitted.places)),
+                    made.fitted.crossed);
   frame->colours.residual = std::move(made.fitted.surface);
   std::vector<float>& residual = frame->colours.residual;
   for (std::size_t i = 0; i < residual.size(); ++i) {

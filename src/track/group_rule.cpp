@@ -16,6 +16,8 @@ GroupRule::GroupRule(const TrackOptions& options, Start first) : options_(option
     throw Error(ErrorKind::kInvalidArgument, "feature curves are looked at every frame or less often");
   if (options.knot_bits < document::kMinKnotBits || options.knot_bits > document::kMaxKnotBits)
     throw Error(ErrorKind::kInvalidArgument, "the knot bits of a document are 0 to 14");
+  if (!(options.displacement_step > 0))
+    throw Error(ErrorKind::kInvalidArgument, "the displacement step of a document is more than 0");
 }
 
 Start GroupRule::start_of(const Motion* motion) const {

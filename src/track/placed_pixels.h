@@ -1,11 +1,12 @@
 #pragma once
 
 #include <cstdint>
+#include <memory>
 #include <span>
 #include <vector>
 
 #include "knotreel/fit/pixels.h"
-#include "knotreel/spline/basis.h"
+#include "knotreel/spline/placed_basis.h"
 
 namespace knotreel::track {
 
@@ -13,18 +14,18 @@ namespace knotreel::track {
 struct PlacedPixels {
   image::Image picture;        ///< pixels that features cross have the colours of their side
   std::vector<float> weights;  ///< empty: all 1; those that features cross have little
-  std::vector<Vec2> places;    ///< empty: the centres
+  std::shared_ptr<const spline::PlacedBasis> placed;
 
-  fit::Pixels view() const { return {.image = &picture, .weights = weights, .places = places}; }
+  fit::Pixels view() const { return {.image = &picture, .weights = weights, .places = placed->places()}; }
 };
 
 /// A picture whose pixels have known places.
-/// @param mesh its segments are the features. @param crossed 1 for pixels that features cross; empty: none.
-PlacedPixels placed_pixels(const image::Image& picture, const mesh::KnotMesh& mesh, std::vector<Vec2> places,
+/// @param crossed 1 for pixels that features cross; empty: none.
+PlacedPixels placed_pixels(const image::Image& picture, std::shared_ptr<const spline::PlacedBasis> placed,
                            std::span<const std::uint8_t> crossed);
 
-/// The same for the geometry of a surface, within a few hundredths of a pixel.
-PlacedPixels place_pixels(const spline::Basis& basis, std::span<const Vec2> displacement,
-                          const image::Image& picture);
+/// The same for the geometry of a surface.
+PlacedPixels place_pixels(const std::shared_ptr<const spline::Basis>& basis,
+                          std::span<const Vec2> displacement, const image::Image& picture);
 
 }  // namespace knotreel::track

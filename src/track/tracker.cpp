@@ -52,8 +52,9 @@ const char* to_string(Start start) {
 
 namespace {
 
-constexpr double kLeastShare = 0.25;     // of what features may use, that a group without any may come to
-constexpr double kFunctionsOfKnot = 3;   // about: the least by which a group grows
+constexpr double kLeastShare = 0.25;    // of what features may use, that a group without any may come to
+constexpr double kFunctionsOfKnot = 3;  // about: the least by which a group grows
+constexpr int kFramesToBend = 16;
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 
 using mesh::EditableMesh;
@@ -139,7 +140,7 @@ class Tracker::Impl {
     return model(picture, report.start != Start::kWarm);
   }
 
-  std::shared_ptr<const spline::Basis> basis() const { return basis_; }
+  std::shared_ptr<const spline::PlacedBasis> placed() const { return seen_.placed; }
 
  private:
   void lap(const char* stage) {
@@ -156,7 +157,6 @@ class Tracker::Impl {
     mesh_ = space_->mesh();
     displacement_ = std::move(cold.displacement);
     basis_ = std::move(cold.basis);
-    values_.reset();
     seen_ = std::move(cold.placed);
     colours_ = std::move(cold.colours);
     report_->milliseconds.insert(report_->milliseconds.end(), cold.milliseconds.begin(),
@@ -178,6 +178,7 @@ class Tracker::Impl {
     since_births_ = 0;
     since_rework_ = options_.rework_interval;
     since_bend_ = options_.bend_interval;
+    frames_to_bend_ = 0;
     since_look_ = 0;
     has_new_features_ = false;
     next_id_ = EditableMesh(space_->mesh()).next_id();
@@ -199,19 +200,12 @@ class Tracker::Impl {
   }
 
   void look_at(const image::Image& picture) {
-    values_.reset();
-    seen_ = place_pixels(*basis_, displacement_, picture);
+    seen_ = place_pixels(basis_, displacement_, picture);
     lap("places");
   }
 
-  /// Of the basis, at the places of what is seen; made when first asked for.
-  const spline::PixelValues& values() {
-    if (!values_) {
-      values_ = std::make_unique<const spline::PixelValues>(*basis_, seen_.picture.width,
-                                                            seen_.picture.height, seen_.places);
-    }
-    return *values_;
-  }
+  /// Of the basis, at the places of what is seen.
+  const spline::PixelValues& values() const { return seen_.placed->values(); }
 
   void measure() {
     const Quality quality = quality_of(colours_.residual, seen_.weights, seen_.picture.channels);
@@ -242,6 +236,9 @@ class Tracker::Impl {
     bend_curves(*motion.now);
     fit(picture, motion);
     measure();
+    // Curves that were left alone may be why: they are bent in all frames for a while.
+    if (since_bend_ > 0 && report_->psnr < last_psnr_ - options_.repair_below)
+      frames_to_bend_ = kFramesToBend;
     for (int pass = 0; pass < options_.most_repairs && report_->psnr < last_psnr_ - options_.repair_below;
          ++pass) {
       prepare_next(picture, true);
@@ -349,31 +346,33 @@ class Tracker::Impl {
     parallel_invoke(
         [&] {
           displacement_ = carried_displacement(*space_, displacement_, *space);
-          drop_traces(displacement_);
+          round_displacement();
         },
         [&] { basis_ = std::make_shared<const spline::Basis>(space); });
     space_ = std::move(space);
-    values_.reset();
     lap("space");
   }
 
+  void round_displacement() { document::round_displacement(displacement_, options_.displacement_step); }
+
   /// Bends the geometry to the edges once in a while, if the curves miss them by too much.
   void bend_curves(const motion::Luma& now) {
-    if (++since_bend_ < options_.bend_interval && !has_new_features_) return;
+    frames_to_bend_ = std::max(0, frames_to_bend_ - 1);
+    const int interval = frames_to_bend_ > 0 ? 1 : options_.bend_interval;
+    if (++since_bend_ < interval && !has_new_features_) return;
     since_bend_ = 0;
     const EdgePoints edges = find_edge_points(*basis_, displacement_, now);
     if (edges.rms <= options_.curve_error && !has_new_features_) return;
     has_new_features_ = false;
     bend_geometry(*basis_, edges.points, displacement_);
-    drop_traces(displacement_);
+    round_displacement();
     fit::unfold_geometry(*basis_, displacement_);
+    round_displacement();
     lap("geometry");
   }
 
   void fit(const image::Image& picture, const Motion& motion) {
     look_at(picture);
-    const spline::PixelValues& values = this->values();
-    lap("basis");
     const image::Image wanted = temporal_target(seen_.picture, frame_before_.residual, frame_before_.weights,
                                                 motion, options_.temporal_weight);
     fit::Pixels pixels = seen_.view();
@@ -381,10 +380,10 @@ class Tracker::Impl {
     fit::ColourFitOptions colour = cold_.colour;
     colour.find_residual = false;
     std::vector<std::uint32_t> match;
-    parallel_invoke([&] { colours_ = fit::fit_colours(values, pixels, colour); },
+    parallel_invoke([&] { colours_ = fit::fit_colours(values(), pixels, colour); },
                     [&] { match = match_functions(*frame_before_.space, *space_); });
     hold_colours(match);
-    colours_.residual = fit::residual_at_pixels(values, seen_.picture, colours_.control, colour.precision);
+    colours_.residual = fit::residual_at_pixels(values(), seen_.picture, colours_.control, colour.precision);
     lap("colours");
   }
 
@@ -483,7 +482,7 @@ class Tracker::Impl {
     refine.max_knots = static_cast<std::size_t>(std::max(0.0, missing + static_cast<double>(removed)));
     refine.min_distance = options_.carry.min_distance;
     std::vector<KnotIndex> fresh =
-        knots::refine_knots(mesh, errors, seen_.places, picture.width, picture.height, refine);
+        knots::refine_knots(mesh, errors, seen_.placed->places(), picture.width, picture.height, refine);
     report_->inserted += fresh.size();
     fresh.insert(fresh.end(), born.begin(), born.end());
     next_id_ = mesh.next_id();
@@ -526,9 +525,8 @@ class Tracker::Impl {
   std::shared_ptr<const spline::SplineSpace> space_;
   std::vector<Vec2> displacement_;
   PlacedPixels seen_;
-  fit::ColourFit colours_;                             ///< the residual is that of seen_
-  std::shared_ptr<const spline::Basis> basis_;         ///< of space_
-  std::unique_ptr<const spline::PixelValues> values_;  ///< of basis_ at the places of seen_
+  fit::ColourFit colours_;                      ///< the residual is that of seen_
+  std::shared_ptr<const spline::Basis> basis_;  ///< of space_
   /// Of space_, but with the knots where they are before they are rounded to the grid: motion of less than
   /// a step of it is not lost.
   KnotMesh mesh_;
@@ -559,6 +557,7 @@ class Tracker::Impl {
   int since_births_ = 0;           ///< frames
   int since_rework_ = 0;           ///< frames
   int since_bend_ = 0;             ///< frames
+  int frames_to_bend_ = 0;         ///< in which curves are looked at whatever the interval
   int since_look_ = 0;             ///< frames
   bool has_new_features_ = false;  ///< that were never bent to their edges
 };
@@ -569,8 +568,8 @@ Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
-std::shared_ptr<const spline::Basis> Tracker::basis() const {
-  return impl_->basis();
+std::shared_ptr<const spline::PlacedBasis> Tracker::placed() const {
+  return impl_->placed();
 }
 
 document::FrameModel Tracker::next(const image::Image& picture, const Motion* motion, FrameReport* report,

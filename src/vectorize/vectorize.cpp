@@ -9,6 +9,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/fit/descend.h"
 #include "knotreel/fit/edge_colours.h"
+#include "knotreel/fit/pixel_places.h"
 #include "knotreel/knots/link_choice.h"
 #include "knotreel/knots/place.h"
 #include "knotreel/knots/refine.h"
@@ -459,9 +460,8 @@ class Run {
       report_.geometry_folds = fit::unfold_geometry(basis, displacement_);
       measure_curves(basis);
       lap("unfold");
-      fit::PixelPlaces exact = fit::invert_geometry(values, displacement_, places_);
-      places_ = std::move(exact.places);
-      crossed_ = std::move(exact.crossed);
+      places_ = fit::pixel_places(basis, displacement_, picture_.width, picture_.height);
+      crossed_ = fit::crossed_pixels(basis, displacement_, picture_.width, picture_.height);
       weigh(crossed_, surface_.space->mesh());
       lap("invert");
     }

@@ -52,7 +52,7 @@ TEST(Document, ReadsBackBitByBitWhatAppendReturned) {
   }
 }
 
-TEST(Document, AModelOverAStoredMeshIsStoredWithTheSpaceItHas) {
+TEST(Document, AModelOverAStoredMeshIsStoredWithTheSpaceAndTheRoundedGeometryItHas) {
   constexpr int kBits = 5;
   for (const testing::MeshCase& c : all_cases()) {
     SCOPED_TRACE(c.to_text());
@@ -66,10 +66,15 @@ TEST(Document, AModelOverAStoredMeshIsStoredWithTheSpaceItHas) {
       EXPECT_LE(norm(stored.mesh.knots[k].position - given.position), std::ldexp(1.5, -kBits));
     }
     for (int degree = 1; degree <= 3; ++degree) {
-      const FrameModel model = testing::random_model(stored.mesh, degree, 3, kSeed, degree % 2 == 0);
+      FrameModel model = testing::random_model(stored.mesh, degree, 3, kSeed, degree % 2 == 0);
+      const std::vector<Vec2> exact = model.displacement;
+      document::round_displacement(model.displacement, document::EncodeOptions{}.displacement_step);
+      EXPECT_NE(model.displacement, exact);
       std::ostringstream out;
       document::Writer writer(out, testing::info_of(model), {.knot_bits = kBits});
-      ASSERT_EQ(writer.append(model).space, model.space);
+      const FrameModel written = writer.append(model);
+      ASSERT_EQ(written.space, model.space);
+      ASSERT_EQ(written.displacement, model.displacement);
       document::Writer finer(out, testing::info_of(model), {.knot_bits = kBits + 2});
       ASSERT_EQ(finer.append(model).space, model.space);
     }

@@ -73,12 +73,5 @@ TEST(BendGeometry, DoingItAgainChangesLittle) {
   for (std::size_t g = 0; g < again.size(); ++g) EXPECT_LT(norm(again[g] - displacement[g]), 0.01) << g;
 }
 
-TEST(DropTraces, OnlyWhatADocumentWouldStore) {
-  std::vector<Vec2> displacement{{0.031, -0.031}, {0.032, 0}, {0, -0.5}, {0.001, 0.04}, {}};
-  const std::vector<Vec2> expected{{}, {0.032, 0}, {0, -0.5}, {0.001, 0.04}, {}};
-  drop_traces(displacement);
-  EXPECT_EQ(displacement, expected);
-}
-
 }  // namespace
 }  // namespace knotreel::track

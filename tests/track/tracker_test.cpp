@@ -13,6 +13,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/writer.h"
+#include "knotreel/raster/render.h"
 #include "knotreel/vectorize/vectorize.h"
 
 namespace knotreel::track {
@@ -88,7 +89,7 @@ TEST(Tracker, FramesAreWarmAndGood) {
 }
 
 /// What is drawn is what was fitted, and the graph has no space and no basis to make anew.
-TEST(Tracker, WarmFramesAreStoredWithTheSpaceThatTheyHave) {
+TEST(Tracker, WarmFramesAreStoredWithTheSpaceAndGeometryThatTheyHave) {
   const std::vector<image::Image> pictures = moving(4);
   vectorize::Options cold;
   cold.max_control_points = 400;
@@ -104,11 +105,19 @@ TEST(Tracker, WarmFramesAreStoredWithTheSpaceThatTheyHave) {
     document::FrameModel model = tracker.next(pictures[i], motion ? &*motion : nullptr);
     model.frame = i;
     model.pts = static_cast<std::int64_t>(i);
-    EXPECT_EQ(&tracker.basis()->space(), model.space.get());
+    EXPECT_EQ(&tracker.placed()->basis()->space(), model.space.get());
     const document::FrameModel stored = writer.append(model);
-    if (i > 0) {
-      EXPECT_EQ(stored.space, model.space) << i;
-    }
+    if (i == 0) continue;
+    EXPECT_EQ(stored.space, model.space) << i;
+    EXPECT_EQ(stored.displacement, model.displacement) << i;
+    EXPECT_TRUE(std::ranges::any_of(model.displacement, [](Vec2 d) { return d != Vec2{}; })) << i;
+    // Its own places make no difference to what is drawn.
+    const auto drawn = [&](std::shared_ptr<const spline::PlacedBasis> placed) {
+      std::vector<float> rows(pictures[0].samples.size());
+      raster::Renderer(stored, {}, tracker.placed()->basis(), std::move(placed)).rows(0, info.height, rows);
+      return rows;
+    };
+    EXPECT_EQ(drawn(tracker.placed()), drawn(nullptr)) << i;
   }
 }
 
@@ -336,9 +345,15 @@ TEST(Tracker, CurvesAreBentEverySoManyFrames) {
     return std::ranges::any_of(report.milliseconds, [](const auto& lap) { return lap.first == "geometry"; });
   };
   const std::vector<image::Image> pictures = moving(7);
-  const Tracked run = track(pictures, {.bend_interval = 3, .curve_error = 0, .birth_interval = 0});
+  TrackOptions options{.bend_interval = 3, .curve_error = 0, .repair_below = 100, .birth_interval = 0};
+  const Tracked run = track(pictures, options);
   // The first warm frame is looked at, and every third after it.
   for (std::size_t i = 1; i < pictures.size(); ++i) EXPECT_EQ(bent(run.reports[i]), i % 3 == 1) << i;
+  // After the first frame that is worse than the one before, all are.
+  options.repair_below = -100;
+  options.most_repairs = 0;
+  const Tracked falling = track(pictures, options);
+  for (std::size_t i = 1; i < pictures.size(); ++i) EXPECT_EQ(bent(falling.reports[i]), i != 2) << i;
 }
 
 TEST(Tracker, NeighboursOfNewKnotsMoveOnlyWhereMuchIsNew) {
@@ -403,6 +418,7 @@ TEST(Tracker, WrongOptionsAreRefused) {
   EXPECT_THROW(Tracker({}, {.bend_interval = 0}), Error);
   EXPECT_THROW(Tracker({}, {.knot_bits = -1}), Error);
   EXPECT_THROW(Tracker({}, {.knot_bits = 15}), Error);
+  EXPECT_THROW(Tracker({}, {.displacement_step = 0}), Error);
 }
 
 }  // namespace

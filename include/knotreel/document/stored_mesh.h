@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "knotreel/base/vec2.h"
 #include "knotreel/mesh/knot_mesh.h"
 
 namespace knotreel::document {
@@ -18,5 +19,10 @@ struct StoredMesh {
 /// @param mesh sound. @param knot_bits  the grid is 2^-knot_bits px, or a finer one if faces would flip.
 /// @throws Error{kInvalidArgument} as Writer::append().
 StoredMesh stored_mesh(const mesh::KnotMesh& mesh, int knot_bits);
+
+/// Rounds displacements as documents do. What is carried and bent for many frames leaves traces of a few
+/// thousandths of a pixel everywhere, which become none; pixels that are not displaced at all cost far less.
+/// @param step in pixels, as EncodeOptions::displacement_step.
+void round_displacement(std::vector<Vec2>& displacement, double step);
 
 }  // namespace knotreel::document

@@ -49,17 +49,4 @@ std::vector<Vec2> image_points(const spline::Basis& basis, std::span<const Vec2>
 std::vector<std::uint8_t> crossed_pixels(const spline::Basis& basis, std::span<const Vec2> displacement,
                                          int width, int height);
 
-/// The geometry part of a surface turned round: where each pixel centre lies in the parametric domain.
-struct PixelPlaces {
-  std::vector<Vec2> places;           ///< row-major; exactly the centre where the geometry is the identity
-  std::vector<std::uint8_t> crossed;  ///< as crossed_pixels()
-};
-
-/// @param start  about where the pixels are, such as the places that the geometry was fitted to; or none:
-/// their centres. @param values of the basis functions there. Fixed point iteration, which converges fast
-/// because the displacement is small and smooth, then Newton's method for pixels that need it. A pixel for
-/// which both fail keeps its start.
-PixelPlaces invert_geometry(const spline::PixelValues& values, std::span<const Vec2> displacement,
-                            std::span<const Vec2> start);
-
 }  // namespace knotreel::fit

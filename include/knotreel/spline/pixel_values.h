@@ -120,9 +120,14 @@ class PixelValues {
 template <class Value>
 using TileSurface = std::array<Value, 4 * PixelValues::kTilePixels>;
 
-/// For each pixel, sum over functions of value times control point; calls visit(index of the tile, surface)
-/// for each tile, in any order, on all threads allowed.
-/// @param control function by function, `channels` numbers each, 1 to 4. @tparam Value double or float.
+/// For each pixel of a tile, sum over functions of value times control point.
+/// @param control function by function, `channels` numbers each, 1 to 4. @param memory for working.
+/// @tparam Value double or float.
+template <class Value>
+void surface_of_tile(const PixelValues& values, std::size_t tile, std::span<const double> control,
+                     int channels, std::vector<Value>& memory, TileSurface<Value>& out);
+
+/// The same for all tiles: calls visit(index of the tile, surface), in any order, on all threads allowed.
 template <class Value>
 void for_surface_tiles(const PixelValues& values, std::span<const double> control, int channels,
                        const std::function<void(std::size_t, const TileSurface<Value>&)>& visit);

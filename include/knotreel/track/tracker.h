@@ -11,6 +11,7 @@
 #include "knotreel/document/writer.h"
 #include "knotreel/image/image.h"
 #include "knotreel/spline/basis.h"
+#include "knotreel/spline/placed_basis.h"
 #include "knotreel/track/birth_options.h"
 #include "knotreel/track/carry_mesh.h"
 #include "knotreel/track/cold_frame.h"
@@ -38,7 +39,9 @@ struct TrackOptions {
   bool settle = true;             ///< whether knots go on descending on the true residual, a step each time
   bool optimise_inserted = true;  ///< whether new knots are moved to where the picture wants them ...
   double much_new = 0.08;         ///< ... with their neighbours, if they are more than this share of all
-  int bend_interval = 2;          ///< frames, 1 or more, between looks whether the feature curves miss edges
+  /// Frames, 1 or more, between looks whether the feature curves miss edges; after a frame without one that
+  /// was worse by repair_below, there is one in every frame for a while.
+  int bend_interval = 2;
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
   double colour_hold = 2;     ///< control points keep colours that change by less, levels ...
   double hold_share = 0.4;    ///< ... and by less than this share of the MEC of the frame before
@@ -54,6 +57,8 @@ struct TrackOptions {
   BirthOptions birth{};
   /// Warm frames are fitted to their knots as documents have them, on a grid of 2^-knot_bits px.
   int knot_bits = document::EncodeOptions{}.delta_knot_bits;
+  /// Likewise their displacements, to multiples of this, pixels; more than 0.
+  double displacement_step = document::EncodeOptions{}.displacement_step;
   SwapOptions urgent_swap{.ratio = 4, .share = 0.1};
 };
 
@@ -106,8 +111,8 @@ class Tracker {
   document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport* report = nullptr,
                             std::shared_ptr<ColdFrame> cold = nullptr);
 
-  /// Of the space of the last model, for whoever draws it.
-  std::shared_ptr<const spline::Basis> basis() const;
+  /// The basis of the last model at its pixels, for whoever draws it.
+  std::shared_ptr<const spline::PlacedBasis> placed() const;
 
  private:
   class Impl;

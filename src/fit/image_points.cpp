@@ -1,0 +1,58 @@
+#include <algorithm>
+#include <cmath>
+
+#include "knotreel/fit/geometry_fit.h"
+
+namespace knotreel::fit {
+
+namespace {
+
+constexpr double kTraceSpacing = 1.0;  // of places along features at which the geometry is looked up, pixels
+constexpr double kTraceStep = 0.2;     // pixels, between them
+
+}  // namespace
+
+std::vector<Vec2> image_points(const spline::Basis& basis, std::span<const Vec2> displacement,
+                               std::vector<Vec2> points) {
+  const spline::ScatteredValues values = basis.evaluate(points);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    for (std::size_t j = values.begin[i]; j < values.begin[i + 1]; ++j) {
+      const spline::BasisValue& v = values.values[j];
+      points[i] = points[i] + v.value * displacement[basis.space().geometry_of()[v.function]];
+    }
+  }
+  return points;
+}
+
+std::vector<std::uint8_t> crossed_pixels(const spline::Basis& basis, std::span<const Vec2> displacement,
+                                         int width, int height) {
+  const auto& mesh = basis.space().mesh();
+  std::vector<Vec2> points;
+  std::vector<std::size_t> ends;
+  for (const mesh::FeatureSegment& s : mesh.segments) {
+    const Vec2 a = mesh.knots[s.knots.front()].position;
+    const Vec2 along = mesh.knots[s.knots.back()].position - a;
+    const int n = std::max(1, static_cast<int>(std::ceil(norm(along) / kTraceSpacing)));
+    for (int i = 0; i <= n; ++i) points.push_back(a + (static_cast<double>(i) / n) * along);
+    ends.push_back(points.size());
+  }
+  points = image_points(basis, displacement, std::move(points));
+  std::vector<std::uint8_t> crossed(std::size_t(width) * std::size_t(height), 0);
+  std::size_t i = 0;
+  for (const std::size_t end : ends) {
+    for (; i + 1 < end; ++i) {
+      const Vec2 step = points[i + 1] - points[i];
+      const int n = std::max(1, static_cast<int>(std::ceil(norm(step) / kTraceStep)));
+      for (int k = 0; k <= n; ++k) {
+        const Vec2 p = points[i] + (static_cast<double>(k) / n) * step;
+        const int x = std::clamp(static_cast<int>(std::floor(p.x)), 0, width - 1);
+        const int y = std::clamp(static_cast<int>(std::floor(p.y)), 0, height - 1);
+        crossed[std::size_t(y) * std::size_t(width) + std::size_t(x)] = 1;
+      }
+    }
+    i = end;
+  }
+  return crossed;
+}
+
+}  // namespace knotreel::fit
