@@ -19,12 +19,31 @@ struct Share {
   double value;
 };
 
+/// By row of P: the column whose 1 is all there is in it, or kNone.
+constexpr int kNone = -1;
+std::vector<int> unit_columns(const RowMatrix& p) {
+  std::vector<int> columns(static_cast<std::size_t>(p.rows()), kNone);
+  for (int i = 0; i < p.rows(); ++i) {
+    const RowMatrix::InnerIterator first(p, i);
+    const int count = p.outerIndexPtr()[i + 1] - p.outerIndexPtr()[i];
+    if (count == 1 && first.value() == 1)
+      columns[static_cast<std::size_t>(i)] = static_cast<int>(first.col());
+  }
+  return columns;
+}
+
 /// Calls visit(row, column, value) for all shares of the lower half of P^T A P, in a fixed order.
 template <class Visit>
-void for_shares(const Matrix& lower, const RowMatrix& p, Visit&& visit) {
+void for_shares(const Matrix& lower, const RowMatrix& p, const std::vector<int>& units, Visit&& visit) {
   for (int j = 0; j < lower.outerSize(); ++j) {
+    const int unit_j = units[static_cast<std::size_t>(j)];
     for (Matrix::InnerIterator entry(lower, j); entry; ++entry) {
       const int i = static_cast<int>(entry.row());
+      const int unit_i = units[static_cast<std::size_t>(i)];
+      if (unit_i != kNone && unit_j != kNone && (i == j || unit_i != unit_j)) {
+        visit(std::max(unit_i, unit_j), std::min(unit_i, unit_j), entry.value());
+        continue;
+      }
       for (RowMatrix::InnerIterator a(p, i); a; ++a) {
         for (RowMatrix::InnerIterator b(p, j); b; ++b) {
           const int r = static_cast<int>(a.col());
@@ -43,18 +62,24 @@ void for_shares(const Matrix& lower, const RowMatrix& p, Visit&& visit) {
 /// do not make use of.
 Matrix reduce(const Matrix& lower, const RowMatrix& p) {
   const auto n = static_cast<std::size_t>(p.cols());
+  const std::vector<int> units = unit_columns(p);
   std::vector<std::size_t> begin(n + 1, 0);
-  for_shares(lower, p, [&](int, int c, double) { ++begin[static_cast<std::size_t>(c) + 1]; });
+  for_shares(lower, p, units, [&](int, int c, double) { ++begin[static_cast<std::size_t>(c) + 1]; });
   std::partial_sum(begin.begin(), begin.end(), begin.begin());
   std::vector<Share> entries(begin.back());
   std::vector<std::size_t> end(begin.begin(), begin.end() - 1);
-  for_shares(lower, p, [&](int r, int c, double v) { entries[end[static_cast<std::size_t>(c)]++] = {r, v}; });
+  for_shares(lower, p, units, [&](int r, int c, double v) {
+    entries[end[static_cast<std::size_t>(c)]++] = {r, v};
+  });
   constexpr std::size_t kColumns = 256;
   parallel_for((n + kColumns - 1) / kColumns, [&](std::size_t block) {
     for (std::size_t c = block * kColumns; c < std::min(n, (block + 1) * kColumns); ++c) {
       const auto first = entries.begin() + static_cast<std::ptrdiff_t>(begin[c]);
       const auto last = entries.begin() + static_cast<std::ptrdiff_t>(end[c]);
-      std::stable_sort(first, last, [](const Share& a, const Share& b) { return a.row < b.row; });
+      const auto above = [](const Share& a, const Share& b) { return a.row < b.row; };
+      const auto not_below = [](const Share& a, const Share& b) { return a.row >= b.row; };
+      if (std::adjacent_find(first, last, not_below) == last) continue;  // in order, and each row once
+      std::stable_sort(first, last, above);
       auto to = first;
       for (auto from = first; from != last; ++from) {
         if (to != first && (to - 1)->row == from->row) {

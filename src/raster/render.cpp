@@ -20,7 +20,8 @@ namespace knotreel::raster {
 namespace {
 
 constexpr int kSamples = 64;
-constexpr int kPlacedSide = spline::PixelValues::kSide;  // of the tiles of pictures of the size of the model
+// Of the tiles of pictures of the size of the model, however they are drawn.
+constexpr int kPlacedSide = spline::PixelValues::kSide;
 
 // The places of the pixels of larger pictures are not found for all of them at once, to save memory.
 constexpr double kMostPlaced = 1 << 22;

@@ -29,7 +29,8 @@ struct RenderOptions {
 ///
 /// Immutable once made; rows() may be called from several threads, and spreads its own work over all threads
 /// allowed. The bits of a pixel depend on the model and on the size of the whole picture only: not on the
-/// crop, the bands or the number of threads. Memory: proportional to the model, plus a few rows per call.
+/// crop, the bands or the number of threads. Memory: proportional to the model, plus a few rows per call;
+/// about 40 bytes per pixel more where the whole picture has the size of the model and up to 2^22 pixels.
 class Renderer {
  public:
   /// @throws Error{kInvalidArgument} for sizes below 1 or above 2^24, or a crop outside the picture.
