@@ -7,10 +7,8 @@ namespace knotreel::fit {
 
 namespace {
 
-constexpr double kTolerance = 1e-5;  // pixels
-constexpr int kMaxSteps = 12;
-constexpr double kShortest = 1.0 / 64;  // share of a step
-constexpr double kNear = 3e-3;          // pixels; not worth another start
+constexpr DampedNewtonOptions kSearch{.tolerance = 1e-5, .max_steps = 12, .shortest = 1.0 / 64};
+constexpr double kNear = 3e-3;  // pixels; not worth another start
 // From a place on the wrong side of a feature there may be no way; one of these is on the other.
 constexpr std::array<Vec2, 9> kOtherStarts{
     {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
@@ -29,51 +27,27 @@ Vec2 GeometryMap::clamped(Vec2 u) const {
   return {std::clamp(u.x, 0.0, mesh.width), std::clamp(u.y, 0.0, mesh.height)};
 }
 
-GeometryMap::Value GeometryMap::at(Vec2 u, std::vector<spline::BasisJet>& jets) const {
+MapValue GeometryMap::at(Vec2 u, std::vector<spline::BasisJet>& jets) const {
   const auto& mesh = basis_.space().mesh();
   basis_.evaluate(u, spline::inward_direction(u, mesh.width, mesh.height), jets);
-  Value v;
+  MapValue v{u, {1, 0}, {0, 1}};
   for (const spline::BasisJet& j : jets) {
     const Vec2 d = by_function_[j.function];
-    v.offset = v.offset + j.jet.value * d;
+    v.at = v.at + j.jet.value * d;
     v.by_x = v.by_x + j.jet.dx * d;
     v.by_y = v.by_y + j.jet.dy * d;
   }
   return v;
 }
 
-GeometryMap::Attempt GeometryMap::descend(Vec2 target, Vec2 start,
-                                          std::vector<spline::BasisJet>& jets) const {
-  Vec2 u = clamped(start);
-  Value v = at(u, jets);
-  Attempt best{u, norm(target - u - v.offset)};
-  for (int step = 0; step < kMaxSteps && best.miss > kTolerance; ++step) {
-    const Vec2 miss = target - u - v.offset;
-    const Vec2 ex = Vec2{1, 0} + v.by_x;
-    const Vec2 ey = Vec2{0, 1} + v.by_y;
-    const double det = cross(ex, ey);
-    const Vec2 move = det > 0.05 ? Vec2{cross(miss, ey) / det, cross(ex, miss) / det} : miss;
-    // Half the way, and half of that, until it gets better: the map may have a kink in between.
-    bool is_better = false;
-    for (double t = 1; t > kShortest && !is_better; t *= 0.5) {
-      const Vec2 next = clamped(u + t * move);
-      const Value value = at(next, jets);
-      const double length = norm(target - next - value.offset);
-      if (length >= best.miss) continue;
-      u = next;
-      v = value;
-      best = {u, length};
-      is_better = true;
-    }
-    if (!is_better) break;
-  }
-  return best;
-}
-
 Vec2 GeometryMap::place_of(Vec2 target, Vec2 start, std::vector<spline::BasisJet>& jets) const {
-  Attempt best = descend(target, start, jets);
+  const auto search = [&](Vec2 from) {
+    return damped_newton(
+        target, from, kSearch, [&](Vec2 u) { return at(u, jets); }, [this](Vec2 u) { return clamped(u); });
+  };
+  Attempt best = search(start);
   for (std::size_t i = 0; i < kOtherStarts.size() && best.miss > kNear; ++i) {
-    const Attempt other = descend(target, target + kOtherStarts[i], jets);
+    const Attempt other = search(target + kOtherStarts[i]);
     if (other.miss < best.miss) best = other;
   }
   return best.place;

@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "fit/damped_newton.h"
 #include "knotreel/spline/basis.h"
 
 namespace knotreel::fit {
@@ -24,16 +25,7 @@ class GeometryMap {
   Vec2 place_of(Vec2 target, Vec2 start, std::vector<spline::BasisJet>& jets) const;
 
  private:
-  /// S_geo(u) - u and its derivatives.
-  struct Value {
-    Vec2 offset, by_x, by_y;
-  };
-  struct Attempt {
-    Vec2 place;
-    double miss;  ///< pixels
-  };
-  Attempt descend(Vec2 target, Vec2 start, std::vector<spline::BasisJet>& jets) const;
-  Value at(Vec2 u, std::vector<spline::BasisJet>& jets) const;
+  MapValue at(Vec2 u, std::vector<spline::BasisJet>& jets) const;
 
   const spline::Basis& basis_;
   std::vector<Vec2> by_function_;

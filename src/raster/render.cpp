@@ -20,7 +20,7 @@ namespace knotreel::raster {
 namespace {
 
 constexpr int kSamples = 64;
-// Of the tiles of pictures of the size of the model, however they are drawn.
+// Of the tiles of pictures of the size of the model.
 constexpr int kPlacedSide = spline::PixelValues::kSide;
 
 // The places of the pixels of larger pictures are not found for all of them at once, to save memory.
@@ -72,13 +72,19 @@ struct Renderer::State {
     if (size.pixel_width != 1 || size.pixel_height != 1) return;
     if (surface.width() * surface.height() > kMostPlaced) return;
     colour = model.colour;
+    if (given && (given->values().width() != size.width || given->values().height() != size.height))
+      throw Error(ErrorKind::kInvalidArgument,
+                  "a basis at the pixels of another size is of no use to draw with");
     placed = given ? std::move(given) : fit::place_basis(basis, model.displacement);
+    tile_width = tile_height = kPlacedSide;
   }
 
   void fine_rows(int row_begin, int row_end, int column_begin, int column_end, float* out) const;
   void draw_block(int tile_x0, int tile_y0, int tile_x1, int tile_y1,
                   const std::vector<std::uint64_t>& crossed, const Part& part) const;
   void draw_placed(int x0, int y0, const Part& part, std::vector<float>& memory) const;
+  template <class Value>
+  void store_tile(const Value* colours, std::size_t stride, int x0, int y0, const Part& part) const;
   void draw_centres(Tile& tile, int x0, int y0, const Part& part) const;
   void draw_crossed(Tile& tile, std::span<const std::uint64_t> pixels, const Part& part) const;
   void reduce_row(const float* fine, int columns, float* out) const;
@@ -100,6 +106,21 @@ struct Renderer::State {
   int tile_height;
 };
 
+/// Stores the pixels of a tile that are in the part. @param colours channel by channel, `stride` apart.
+template <class Value>
+void Renderer::State::store_tile(const Value* colours, std::size_t stride, int x0, int y0,
+                                 const Part& part) const {
+  const int x1 = std::min(x0 + tile_width, part.column_end);
+  const int y1 = std::min(y0 + tile_height, part.row_end);
+  for (int py = std::max(y0, part.row_begin); py < y1; ++py) {
+    for (int px = std::max(x0, part.column_begin); px < x1; ++px) {
+      const auto i = static_cast<std::size_t>((py - y0) * tile_width + (px - x0));
+      for (std::size_t c = 0; c < channels; ++c)
+        part.at(px, py)[c] = static_cast<float>(colours[c * stride + i]);
+    }
+  }
+}
+
 /// The surface at the centres of all pixels of a tile.
 void Renderer::State::draw_centres(Tile& tile, int x0, int y0, const Part& part) const {
   alignas(64) std::array<double, kBatch> x;
@@ -111,15 +132,7 @@ void Renderer::State::draw_centres(Tile& tile, int x0, int y0, const Part& part)
     y[static_cast<std::size_t>(i)] = (y0 + i / tile_width + 0.5) * fine_height;
   }
   tile.colours(x.data(), y.data(), n, colours.data());
-  const int x1 = std::min(x0 + tile_width, part.column_end);
-  const int y1 = std::min(y0 + tile_height, part.row_end);
-  for (int py = std::max(y0, part.row_begin); py < y1; ++py) {
-    for (int px = std::max(x0, part.column_begin); px < x1; ++px) {
-      const auto i = static_cast<std::size_t>((py - y0) * tile_width + (px - x0));
-      for (std::size_t c = 0; c < channels; ++c)
-        part.at(px, py)[c] = static_cast<float>(colours[c * kBatch + i]);
-    }
-  }
+  store_tile(colours.data(), kBatch, x0, y0, part);
 }
 
 /// The same, where the basis has been evaluated there.
@@ -129,15 +142,7 @@ void Renderer::State::draw_placed(int x0, int y0, const Part& part, std::vector<
   const std::size_t index = static_cast<std::size_t>(y0 / kPlacedSide) * values.tile_columns() +
                             static_cast<std::size_t>(x0 / kPlacedSide);
   spline::surface_of_tile(values, index, colour, static_cast<int>(channels), memory, colours);
-  const int x1 = std::min(x0 + kPlacedSide, part.column_end);
-  const int y1 = std::min(y0 + kPlacedSide, part.row_end);
-  for (int py = std::max(y0, part.row_begin); py < y1; ++py) {
-    for (int px = std::max(x0, part.column_begin); px < x1; ++px) {
-      const auto i = static_cast<std::size_t>((py - y0) * kPlacedSide + (px - x0));
-      for (std::size_t c = 0; c < channels; ++c)
-        part.at(px, py)[c] = colours[c * spline::PixelValues::kTilePixels + i];
-    }
-  }
+  store_tile(colours.data(), spline::PixelValues::kTilePixels, x0, y0, part);
 }
 
 /// Means over pixels of a tile that features cross.

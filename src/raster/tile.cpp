@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "fit/damped_newton.h"
+
 namespace knotreel::raster {
 
 namespace {
@@ -251,43 +253,18 @@ Vec2 solve_point(const Surface& surface, Vec2 x) {
   const Surface::Bounds b = surface.displacement_bounds(x, x);
   const Vec2 starts[] = {x,          x - 0.5 * (b.low + b.high),      x - b.low,
                          x - b.high, {x.x - b.low.x, x.y - b.high.y}, {x.x - b.high.x, x.y - b.low.y}};
-  Vec2 best = clamped(x);
-  double best_residual = std::numeric_limits<double>::infinity();
+  const auto map = [&](Vec2 u) {
+    const Surface::Sample s = surface.evaluate(u);
+    const auto& j = s.jacobian;
+    return fit::MapValue{u + s.displacement, {1 + j[0][0], j[1][0]}, {j[0][1], 1 + j[1][1]}};
+  };
+  fit::Attempt best{clamped(x), std::numeric_limits<double>::infinity()};
   for (const Vec2 start : starts) {
-    Vec2 u = clamped(start);
-    Surface::Sample s = surface.evaluate(u);
-    double residual = norm(u + s.displacement - x);
-    for (int step = 0; step < 40 && residual > 1e-9; ++step) {
-      const double a = 1 + s.jacobian[0][0];
-      const double e = 1 + s.jacobian[1][1];
-      const double det = a * e - s.jacobian[0][1] * s.jacobian[1][0];
-      const Vec2 r = x - u - s.displacement;
-      Vec2 move = r;
-      if (det > 0.05) {
-        move = {(e * r.x - s.jacobian[0][1] * r.y) / det, (a * r.y - s.jacobian[1][0] * r.x) / det};
-      }
-      // Halve the step until the residual falls.
-      bool better = false;
-      for (double t = 1; t > 1e-3 && !better; t *= 0.5) {
-        const Vec2 next = clamped(u + t * move);
-        const Surface::Sample sample = surface.evaluate(next);
-        const double at_next = norm(next + sample.displacement - x);
-        if (at_next < residual) {
-          u = next;
-          s = sample;
-          residual = at_next;
-          better = true;
-        }
-      }
-      if (!better) break;
-    }
-    if (residual < best_residual) {
-      best_residual = residual;
-      best = u;
-    }
-    if (best_residual <= 1e-9) break;
+    const fit::Attempt attempt = fit::damped_newton(x, start, {}, map, clamped);
+    if (attempt.miss < best.miss) best = attempt;
+    if (best.miss <= fit::DampedNewtonOptions{}.tolerance) break;
   }
-  return best;
+  return best.place;
 }
 
 }  // namespace knotreel::raster

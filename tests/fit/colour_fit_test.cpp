@@ -24,6 +24,11 @@ struct Case {
   bool weighted;
 };
 
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << "degree " << c.degree << (c.displaced ? ", displaced" : "")
+             << (c.weighted ? ", weighted" : "");
+}
+
 class ColourFits : public ::testing::TestWithParam<Case> {
  protected:
   void SetUp() override {

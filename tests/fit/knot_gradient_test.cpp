@@ -21,6 +21,11 @@ struct Case {
   int channels;
 };
 
+std::ostream& operator<<(std::ostream& out, const Case& c) {
+  return out << "degree " << c.degree << ", channels " << c.channels << (c.displaced ? ", displaced" : "")
+             << (c.weighted ? ", weighted" : "");
+}
+
 /// Directions in which a knot may move.
 std::vector<Vec2> directions_of(const mesh::KnotMesh& mesh, KnotIndex k) {
   const mesh::Knot& knot = mesh.knots[k];

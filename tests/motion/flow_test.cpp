@@ -39,6 +39,8 @@ double share(const std::vector<std::uint8_t>& mask) {
 
 using Effort = FlowOptions::Effort;
 
+constexpr const char* kEffortNames[] = {"ultrafast", "fast", "exact", "medium"};
+
 /// Median errors that are allowed, in pixels: the first two look at a quarter of the size only.
 double allowed(Effort effort) {
   if (effort == Effort::kUltrafast) return 0.25;
@@ -70,7 +72,8 @@ TEST_P(EveryEffort, FindsARotation) {
 
 INSTANTIATE_TEST_SUITE_P(Efforts, EveryEffort,
                          ::testing::Values(Effort::kUltrafast, Effort::kFast, Effort::kExact,
-                                           Effort::kMedium));
+                                           Effort::kMedium),
+                         [](const auto& test) { return std::string(kEffortNames[int(test.param)]); });
 
 TEST(FindFlow, AnySizeWillDo) {
   for (const auto& [width, height] : {std::pair{1, 1}, {1, 50}, {7, 5}, {31, 33}, {300, 2}}) {

@@ -37,6 +37,10 @@ struct Copy {
   double slack;  ///< of times, in seconds: what the containers round
 };
 
+std::ostream& operator<<(std::ostream& out, const Copy& c) {
+  return out << c.from << ", " << c.codec << ", " << c.to;
+}
+
 class Copied : public testing::TestWithParam<Copy> {};
 
 TEST_P(Copied, SoundIsTheSameAndInTime) {

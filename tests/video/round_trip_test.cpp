@@ -16,6 +16,10 @@ struct Exact {
   int depth;
 };
 
+std::ostream& operator<<(std::ostream& out, const Exact& c) {
+  return out << (*c.format ? c.format : "nearest") << ", channels " << c.channels << ", depth " << c.depth;
+}
+
 class Lossless : public testing::TestWithParam<Exact> {};
 
 TEST_P(Lossless, GivesTheSamePictures) {
@@ -51,6 +55,10 @@ struct Kept {
   int width, height;
   double tolerance;  ///< mean difference
 };
+
+std::ostream& operator<<(std::ostream& out, const Kept& c) {
+  return out << c.file << ", " << c.codec << ", " << c.source;
+}
 
 class PixelFormats : public testing::TestWithParam<Kept> {};
 
