@@ -130,15 +130,7 @@ class Derivatives {
     if (std::none_of(entries.begin(), entries.end(), [&](const auto& e) { return movable_[e.piece]; }))
       return;
     const std::span<const spline::FunctionIndex> functions = values_.functions(tile);
-    std::array<double, kPixels> places_x;
-    std::array<double, kPixels> places_y;
-    values_.places(tile, places_x.data(), places_y.data());
-    std::array<float, kPixels> x;
-    std::array<float, kPixels> y;
-    for (std::size_t i = 0; i < kPixels; ++i) {
-      x[i] = static_cast<float>(places_x[i]);
-      y[i] = static_cast<float>(places_y[i]);
-    }
+    const float* const x = values_.places(tile).data();
     TileResidual residual;
     read_residual(pixels_, fit_, values_, tile, residual);
     const auto channels = static_cast<std::size_t>(pixels_.image->channels);
@@ -160,7 +152,7 @@ class Derivatives {
       const std::span<ShapeGradient> sums = band.of(entry.piece, terms.size());
       const Vec2 offset = corner - origin_of(entry.piece);
       for (std::size_t t = 0; t < terms.size(); ++t)
-        add_pixels(shape_of(piece, terms[t], corner), x.data(), y.data(), q, offset, sums[t]);
+        add_pixels(shape_of(piece, terms[t], corner), x, x + kPixels, q, offset, sums[t]);
     }
   }
 

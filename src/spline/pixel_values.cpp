@@ -213,7 +213,7 @@ void add_term(const Piece& piece, const PieceTerm& term, Vec2 origin, const floa
 template <class Value>
 constexpr double kClearOfWall = std::is_same_v<Value, double> ? 2 * kOnWall : 1e-4;
 
-/// Whether some pixel is nearer to a wall.
+/// Whether some pixel is nearer to a wall of a tent that has some.
 KNOTREEL_MULTIVERSION
 bool any_on_wall(const Tent& tent, Vec2 origin, const double* x, const double* y, double clear) {
   constexpr std::size_t kLanes = 8;
@@ -294,6 +294,8 @@ PixelValues::PixelValues(const Basis& basis, int width, int height, std::span<co
   for (std::size_t i = 0; i < kTilePixels; ++i) {
     centre_x_[i] = (static_cast<double>(i % kSide) + 0.5) * cell_width_;
     centre_y_[i] = (static_cast<double>(i / kSide) + 0.5) * cell_height_;
+    centres_[i] = static_cast<float>(centre_x_[i]);
+    centres_[kTilePixels + i] = static_cast<float>(centre_y_[i]);
   }
   find_moved();
   list_entries(wanted);
@@ -311,26 +313,41 @@ Vec2 PixelValues::corner(std::size_t tile) const {
           static_cast<double>(tile / tile_columns_) * kSide * cell_height_};
 }
 
-void PixelValues::find_moved() {
-  moved_.assign(tile_count(), 0);
-  if (places_.empty()) return;
-  parallel_for(tile_rows_, [&](std::size_t row) {
-    for (std::size_t t = row * tile_columns_; t < (row + 1) * tile_columns_; ++t) {
-      const Tile tile = this->tile(t);
-      bool moved = false;
-      for (int y = tile.top; y < tile.bottom; ++y) {
-        const Vec2* p = places_.data() + static_cast<std::size_t>(y) * std::size_t(width_);
-        const double centre = (y + 0.5) * cell_height_;
-        for (int x = tile.left; x < tile.right; ++x)
-          moved = moved || p[x].x != (x + 0.5) * cell_width_ || p[x].y != centre;
-      }
-      moved_[t] = moved;
+bool PixelValues::is_moved(std::size_t index) const {
+  const Tile tile = this->tile(index);
+  for (int y = tile.top; y < tile.bottom; ++y) {
+    const Vec2* p = places_.data() + static_cast<std::size_t>(y) * std::size_t(width_);
+    const double centre = (y + 0.5) * cell_height_;
+    for (int x = tile.left; x < tile.right; ++x) {
+      if (p[x].x != (x + 0.5) * cell_width_ || p[x].y != centre) return true;
     }
+  }
+  return false;
+}
+
+void PixelValues::find_moved() {
+  moved_.assign(tile_count(), kAtCentres);
+  if (places_.empty()) return;
+  const auto for_tiles = [&](auto&& visit) {
+    parallel_for(tile_rows_, [&](std::size_t row) {
+      for (std::size_t t = row * tile_columns_; t < (row + 1) * tile_columns_; ++t) visit(t);
+    });
+  };
+  for_tiles([&](std::size_t t) { moved_[t] = is_moved(t) ? 0 : kAtCentres; });
+  std::uint32_t count = 0;
+  for (std::uint32_t& m : moved_) m = m == kAtCentres ? m : count++;
+  near_.resize(count);
+  for_tiles([&](std::size_t t) {
+    if (moved_[t] == kAtCentres) return;
+    std::array<double, 2 * kPixels> exact;
+    places(t, exact.data(), exact.data() + kPixels);
+    std::transform(exact.begin(), exact.end(), near_[moved_[t]].begin(),
+                   [](double v) { return static_cast<float>(v); });
   });
 }
 
 void PixelValues::places(std::size_t tile, double* x, double* y) const {
-  if (!moved_[tile]) {
+  if (at_centres(tile)) {
     std::copy(centre_x_.begin(), centre_x_.end(), x);
     std::copy(centre_y_.begin(), centre_y_.end(), y);
     return;
@@ -423,13 +440,20 @@ void PixelValues::evaluate_in(std::size_t index, Value* values) const {
   const PieceSet& set = basis_->pieces();
   const std::size_t count = functions(index).size();
   const Vec2 origin = corner(index);
-  std::array<double, kPixels> x;
-  std::array<double, kPixels> y;
-  places(index, x.data(), y.data());
-  std::array<Value, kPixels> at_x;
-  std::array<Value, kPixels> at_y;
-  std::transform(x.begin(), x.end(), at_x.begin(), [](double v) { return static_cast<Value>(v); });
-  std::transform(y.begin(), y.end(), at_y.begin(), [](double v) { return static_cast<Value>(v); });
+  // Single precision needs the exact places only where there are walls.
+  std::array<double, 2 * kPixels> exact;
+  bool has_exact = false;
+  const auto exact_places = [&] {
+    if (!has_exact) places(index, exact.data(), exact.data() + kPixels);
+    has_exact = true;
+    return exact.data();
+  };
+  const Value* x;
+  if constexpr (std::is_same_v<Value, float>) {
+    x = places(index).data();
+  } else {
+    x = exact_places();
+  }
   std::fill_n(values, count * kPixels, Value{0});
   std::array<Value, 3 * kPixels> nowhere;  // shares of functions that vanish or are not wanted
   nowhere.fill(0);
@@ -442,11 +466,14 @@ void PixelValues::evaluate_in(std::size_t index, Value* values) const {
     }
     for (std::uint32_t t = piece.term_begin; t < piece.term_end; ++t) {
       const PieceTerm& term = set.terms[t];
-      if (any_on_wall(term.tent, origin, x.data(), y.data(), kClearOfWall<Value>)) {
-        add_one_by_one(piece, term, origin, basis_->space().mesh(), x.data(), y.data(), out);
-      } else {
-        add_term(piece, term, origin, at_x.data(), at_y.data(), out);
+      if (term.tent.wall_count > 0) {
+        const double* e = exact_places();
+        if (any_on_wall(term.tent, origin, e, e + kPixels, kClearOfWall<Value>)) {
+          add_one_by_one(piece, term, origin, basis_->space().mesh(), e, e + kPixels, out);
+          continue;
+        }
       }
+      add_term(piece, term, origin, x, x + kPixels, out);
     }
   }
   const Tile tile = this->tile(index);

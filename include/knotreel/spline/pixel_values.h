@@ -72,9 +72,14 @@ class PixelValues {
   /// Places of the pixels of a tile, relative to its corner; pixels beside the picture are somewhere near.
   /// @param x, y room for kTilePixels each.
   void places(std::size_t tile, double* x, double* y) const;
+  /// The same in single precision: all x, then all y.
+  std::span<const float, 2 * kTilePixels> places(std::size_t tile) const {
+    return moved_[tile] == kAtCentres ? std::span<const float, 2 * kTilePixels>(centres_)
+                                      : std::span<const float, 2 * kTilePixels>(near_[moved_[tile]]);
+  }
 
   /// Whether all pixels of a tile are at their centres.
-  bool at_centres(std::size_t tile) const { return !moved_[tile]; }
+  bool at_centres(std::size_t tile) const { return moved_[tile] == kAtCentres; }
 
   /// The upper left corner of a tile, in the domain.
   Vec2 corner(std::size_t tile) const;
@@ -93,6 +98,10 @@ class PixelValues {
   }
 
  private:
+  struct alignas(64) NearPlaces : std::array<float, 2 * kTilePixels> {};
+  static constexpr std::uint32_t kAtCentres = 0xffffffff;
+
+  bool is_moved(std::size_t tile) const;
   void find_moved();
   void list_entries(std::span<const std::uint8_t> wanted);
   void name_functions(std::span<const std::uint8_t> wanted);
@@ -109,7 +118,9 @@ class PixelValues {
   std::size_t tile_rows_;
   std::array<double, kTilePixels> centre_x_;  ///< of the pixels of a tile, from its corner
   std::array<double, kTilePixels> centre_y_;
-  std::vector<std::uint8_t> moved_;       ///< per tile: whether some pixel is not at its centre
+  NearPlaces centres_;                    ///< the same in single precision
+  std::vector<std::uint32_t> moved_;      ///< per tile: index in near_, or kAtCentres
+  std::vector<NearPlaces> near_;          ///< of tiles with a pixel that is not at its centre
   std::vector<std::size_t> entry_begin_;  ///< per tile, into entries_
   std::vector<Entry> entries_;
   std::vector<std::size_t> function_begin_;  ///< per tile, into functions_
