@@ -40,6 +40,18 @@ Eigen::SparseMatrix<double> prolongation(const spline::SplineSpace& space, bool 
   return identity;
 }
 
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+/// Where the solution is looked for; empty if nothing is known.
+/// @param prior what is known without.
+Eigen::MatrixXd start_of(std::span<const double> start, const Eigen::MatrixXd& prior) {
+  if (start.empty()) return {};
+  if (start.size() != static_cast<std::size_t>(prior.size()))
+    throw Error(ErrorKind::kInvalidArgument, "a fit needs one start per control point");
+  const Eigen::Map<const RowMajor> known(start.data(), prior.rows(), prior.cols());
+  return known.array().isNaN().select(prior, known);
+}
+
 template <class Value>
 std::vector<float> residual_in(const spline::PixelValues& values, const image::Image& image,
                                std::span<const double> control) {
@@ -107,12 +119,12 @@ ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
   for (Eigen::Index i = 0; i < normal.matrix.rows(); ++i) normal.matrix.coeffRef(i, i) += ridge;
 
   // min |A c - b|^2 + ridge |c - prior|^2 over c = P z.
-  const Eigen::MatrixXd right = normal.right + ridge * greville_colours(space, image);
-  const Eigen::MatrixXd control = solve_reduced(normal.matrix, p, right);
+  const Eigen::MatrixXd prior = greville_colours(space, image);
+  const Eigen::MatrixXd right = normal.right + ridge * prior;
+  const Eigen::MatrixXd control = solve_reduced(normal.matrix, p, right, start_of(options.start, prior));
   ColourFit fit;
   fit.control.resize(static_cast<std::size_t>(control.size()));
-  Eigen::Map<Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>>(
-      fit.control.data(), control.rows(), control.cols()) = control;
+  Eigen::Map<RowMajor>(fit.control.data(), control.rows(), control.cols()) = control;
   if (options.find_residual) {
     fit.residual = residual_at_pixels(values, image, fit.control, options.precision);
     fit.squared_error = squared_error(fit.residual, pixels);

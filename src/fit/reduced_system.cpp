@@ -3,7 +3,9 @@
 #include <Eigen/CholmodSupport>
 #include <algorithm>
 #include <numeric>
+#include <optional>
 
+#include "fit/conjugate_gradients.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 
@@ -107,10 +109,33 @@ Matrix reduce(const Matrix& lower, const RowMatrix& p) {
   return reduced;
 }
 
+/// Some z with P z near x: exact for the columns that are alone in a row.
+Eigen::MatrixXd reduced_start(const RowMatrix& p, const Eigen::MatrixXd& x) {
+  Eigen::MatrixXd z = p.transpose() * x;
+  Eigen::VectorXd squares = Eigen::VectorXd::Zero(p.cols());
+  for (int i = 0; i < p.rows(); ++i) {
+    for (RowMatrix::InnerIterator a(p, i); a; ++a) squares[a.col()] += a.value() * a.value();
+  }
+  z.array().colwise() /= squares.array();
+  const std::vector<int> units = unit_columns(p);
+  for (std::size_t i = 0; i < units.size(); ++i) {
+    if (units[i] != kNone) z.row(units[i]) = x.row(static_cast<Eigen::Index>(i));
+  }
+  return z;
+}
+
 }  // namespace
 
-Eigen::MatrixXd solve_reduced(const Matrix& lower, const Matrix& p, const Eigen::MatrixXd& right) {
-  const Eigen::CholmodSimplicialLDLT<Matrix, Eigen::Lower> factor(reduce(lower, RowMatrix(p)));
+Eigen::MatrixXd solve_reduced(const Matrix& lower, const Matrix& p, const Eigen::MatrixXd& right,
+                              const Eigen::MatrixXd& start) {
+  const RowMatrix rows(p);
+  const Matrix reduced = reduce(lower, rows);
+  if (start.size() > 0) {
+    const std::optional<Eigen::MatrixXd> z =
+        conjugate_gradients(reduced, p.transpose() * right, reduced_start(rows, start));
+    if (z) return p * *z;
+  }
+  const Eigen::CholmodSimplicialLDLT<Matrix, Eigen::Lower> factor(reduced);
   if (factor.info() != Eigen::Success) {
     throw Error(ErrorKind::kInternal, "the normal equations of the colour fit cannot be factored");
   }

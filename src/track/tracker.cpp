@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -372,19 +373,34 @@ class Tracker::Impl {
   }
 
   void fit(const image::Image& picture, const Motion& motion) {
-    look_at(picture);
+    std::vector<std::uint32_t> match;
+    parallel_invoke([&] { look_at(picture); },
+                    [&] { match = match_functions(*frame_before_.space, *space_); });
     const image::Image wanted = temporal_target(seen_.picture, frame_before_.residual, frame_before_.weights,
                                                 motion, options_.temporal_weight);
     fit::Pixels pixels = seen_.view();
     pixels.image = &wanted;
     fit::ColourFitOptions colour = cold_.colour;
     colour.find_residual = false;
-    std::vector<std::uint32_t> match;
-    parallel_invoke([&] { colours_ = fit::fit_colours(values(), pixels, colour); },
-                    [&] { match = match_functions(*frame_before_.space, *space_); });
+    const std::vector<double> before = colours_before(match);
+    colour.start = before;
+    colours_ = fit::fit_colours(values(), pixels, colour);
     hold_colours(match);
     colours_.residual = fit::residual_at_pixels(values(), seen_.picture, colours_.control, colour.precision);
     lap("colours");
+  }
+
+  /// Colours of control points in the frame before; NaN for those that were not there.
+  /// @param match of the functions with those of the frame before.
+  std::vector<double> colours_before(const std::vector<std::uint32_t>& match) const {
+    const std::size_t channels = frame_before_.control.size() / frame_before_.space->function_count();
+    std::vector<double> colours(match.size() * channels, std::numeric_limits<double>::quiet_NaN());
+    for (std::size_t f = 0; f < match.size(); ++f) {
+      if (match[f] == kNoMatch) continue;
+      std::copy_n(frame_before_.control.begin() + static_cast<std::ptrdiff_t>(match[f] * channels), channels,
+                  colours.begin() + static_cast<std::ptrdiff_t>(f * channels));
+    }
+    return colours;
   }
 
   /// Control points whose colour hardly changes keep that of the frame before: less to store, less to

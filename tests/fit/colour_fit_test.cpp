@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <limits>
 
 #include "fit/fit_cases.h"
 #include "knotreel/base/error.h"
@@ -133,6 +134,24 @@ TEST_P(ColourFits, SinglePrecisionIsNear) {
     worst = std::max(worst, static_cast<double>(std::abs(single.residual[i] - fit.residual[i])));
   EXPECT_GT(worst, 0);
   EXPECT_LE(worst, 0.02);
+}
+
+TEST_P(ColourFits, AStartNearbyLeadsToTheSameSurface) {
+  const image::Image image = test::random_picture(48, 40, 3, 5);
+  const ColourFit fit = fit_colours(basis_, pixels(image));
+  const std::vector<double> noise = random_control(fit.control.size(), 9);
+  std::vector<double> start = fit.control;
+  for (std::size_t i = 0; i < start.size(); ++i) start[i] += 0.02 * (noise[i] - 128);
+  for (std::size_t f = 0; f < start.size() / 3; f += 7)
+    std::fill_n(start.begin() + static_cast<std::ptrdiff_t>(3 * f), 3,
+                std::numeric_limits<double>::quiet_NaN());
+  const ColourFit found = fit_colours(basis_, pixels(image), {.start = start});
+  EXPECT_NE(found.control, fit.control) << "found from elsewhere";
+  EXPECT_NEAR(found.squared_error, fit.squared_error, 1e-5 * fit.squared_error);
+  for (std::size_t i = 0; i < fit.residual.size(); ++i)
+    ASSERT_NEAR(found.residual[i], fit.residual[i], 0.1) << i;
+  start.pop_back();
+  EXPECT_THROW(fit_colours(basis_, pixels(image), {.start = start}), Error);
 }
 
 /// The colours of pixels without weight count only at Greville sites, where the ridge draws to them.

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "knotreel/fit/pixels.h"
@@ -25,6 +26,9 @@ struct ColourFitOptions {
   bool smooth_corners = true;
   Precision precision = Precision::kDouble;
   bool find_residual = true;  ///< false: ColourFit has no residual and no squared error
+  /// Control points near those of the fit, as in ColourFit::control: from there they are found quicker, to
+  /// some hundredths of a level. NaN: not known. Or none.
+  std::span<const double> start = {};
 };
 
 struct ColourFit {
