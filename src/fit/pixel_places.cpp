@@ -186,6 +186,7 @@ class Search {
         const Vec2 miss = centre(x, y) - (places_[i] + Vec2{offsets[i].x, offsets[i].y});
         if (miss == Vec2{}) continue;
         places_[i] = map_.clamped(places_[i] + step(places_[i], miss));
+        if (dot(miss, miss) <= kExact * kExact) continue;
         const double bend = static_cast<double>(grid_.bend(static_cast<int>(x), static_cast<int>(y)));
         if (norm(miss) * std::min(1.0, kLeastBend + bend) > kExact)
           far[y].push_back(static_cast<std::uint32_t>(i));

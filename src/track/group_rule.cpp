@@ -12,6 +12,8 @@ GroupRule::GroupRule(const TrackOptions& options, Start first) : options_(option
     throw Error(ErrorKind::kInvalidArgument, "the frames between looks at what drifts are at least 1");
   if (options.rework_interval < 1)
     throw Error(ErrorKind::kInvalidArgument, "knots are looked at every frame or less often");
+  if (!(options.repair_patience >= 0))
+    throw Error(ErrorKind::kInvalidArgument, "the patience with repairs is negative");
   if (options.bend_interval < 1)
     throw Error(ErrorKind::kInvalidArgument, "feature curves are looked at every frame or less often");
   if (options.knot_bits < document::kMinKnotBits || options.knot_bits > document::kMaxKnotBits)

@@ -56,6 +56,7 @@ namespace {
 constexpr double kLeastShare = 0.25;    // of what features may use, that a group without any may come to
 constexpr double kFunctionsOfKnot = 3;  // about: the least by which a group grows
 constexpr int kFramesToBend = 16;
+constexpr double kOfLate = 0.2;          // weight of a frame in shares of those of late
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 
 using mesh::EditableMesh;
@@ -126,9 +127,10 @@ class Tracker::Impl {
         report.start = Start::kDrift;
         groups_.restart();
       } else {
+        const bool has_fallen = report.repairs == 0 && report.psnr < last_psnr_ - options_.mend_below;
         last_psnr_ = report.psnr;
         last_mec_ = report.mec;
-        prepare_next(picture, false);
+        end_frame(picture, has_fallen);
       }
     }
     if (report.start != Start::kWarm) {
@@ -186,7 +188,8 @@ class Tracker::Impl {
     settling_.clear();
     last_psnr_ = report_->psnr;
     last_mec_ = report_->mec;
-    prepare_next(picture, false);
+    repaired_ = 0;
+    end_frame(picture, false);
   }
 
   void make_target(const image::Image& picture) {
@@ -240,14 +243,16 @@ class Tracker::Impl {
     // Curves that were left alone may be why: they are bent in all frames for a while.
     if (since_bend_ > 0 && report_->psnr < last_psnr_ - options_.repair_below)
       frames_to_bend_ = kFramesToBend;
-    for (int pass = 0; pass < options_.most_repairs && report_->psnr < last_psnr_ - options_.repair_below;
-         ++pass) {
-      prepare_next(picture, true);
+    const double fall = options_.repair_below * (1 + options_.repair_patience * repaired_);
+    for (int pass = 0; pass < options_.most_repairs && report_->psnr < last_psnr_ - fall; ++pass) {
+      next_mesh_ = mesh_;
+      rework(picture, true);
       take_over(next_mesh_, LinkMemory(*space_));
       fit(picture, motion);
       measure();
       ++report_->repairs;
     }
+    repaired_ += kOfLate * ((report_->repairs > 0 ? 1 : 0) - repaired_);
     report_->survival = share_alive(before, space_->mesh());
   }
 
@@ -420,18 +425,21 @@ class Tracker::Impl {
     }
   }
 
-  /// The mesh that the next frame starts from. Once in a while knots go a step against the gradient of the
-  /// error, and those that are lost or idle come back where the error is.
-  /// @param urgent the error has risen: at once, for this frame.
-  void prepare_next(const image::Image& picture, bool urgent) {
+  /// Leaves the mesh that the next frame starts from; once in a while, and where the fit has fallen,
+  /// reworked.
+  void end_frame(const image::Image& picture, bool has_fallen) {
     next_mesh_ = mesh_;
     if (!options_.warm_start) return;
-    if (!urgent) {
-      grow_group();
-      ++since_births_;
-      if (++since_rework_ < options_.rework_interval) return;
-      since_rework_ = 0;
-    }
+    grow_group();
+    ++since_births_;
+    if (++since_rework_ < options_.rework_interval && !has_fallen) return;
+    since_rework_ = 0;
+    rework(picture, has_fallen);
+  }
+
+  /// Knots of the next mesh go a step against the gradient of the error, and those that are lost or idle come
+  /// back where the error is. @param urgent the error has risen.
+  void rework(const image::Image& picture, bool urgent) {
     const std::vector<float> errors = squared_errors();
     if (options_.settle) {
       if (urgent) settling_.wake();
@@ -564,6 +572,7 @@ class Tracker::Impl {
     double difficulty = 0;
   } last_cold_;            ///< that began the group, or was made in vain
   double drift_from_ = 0;  ///< PSNR that a fall counts from
+  double repaired_ = 0;    ///< share of the frames of late that were
   double last_psnr_ = 0;
   double last_mec_ = 0;
   std::size_t group_functions_ = 0;

@@ -318,26 +318,59 @@ TEST(Tracker, AFrameIsMadeAnewWhenThatPromisesMoreThoughNothingFell) {
   for (std::size_t i = 1; i < 8; ++i) EXPECT_EQ(never.reports[i].start, Start::kWarm) << i;
 }
 
-TEST(Tracker, BetweenReworksKnotsOnlyFollowTheMotion) {
-  // A picture at rest without features: knots would still go where the noise is.
+/// A picture at rest without features, with noise that knots would go after.
+std::vector<image::Image> noise_at_rest() {
   std::vector<image::Image> pictures;
   for (unsigned i = 0; i < 7; ++i) {
     pictures.push_back(scene(-100, -100));
     std::mt19937 random(i);
     for (float& sample : pictures.back().samples) sample += static_cast<float>(random() % 13) - 6;
   }
+  return pictures;
+}
+
+/// Whether the knots of a frame are elsewhere than those of the frame before.
+bool has_moved_knots(const Tracked& run, std::size_t frame) {
   const auto positions = [](const document::FrameModel& model) {
     std::vector<Vec2> result;
     for (const mesh::Knot& k : model.space->mesh().knots) result.push_back(k.position);
     return result;
   };
-  const Tracked run = track(pictures, {.rework_interval = 3}, 0);
-  for (std::size_t i = 1; i < pictures.size(); ++i) {
+  return positions(run.models[frame]) != positions(run.models[frame - 1]);
+}
+
+TEST(Tracker, BetweenReworksKnotsOnlyFollowTheMotion) {
+  const Tracked run = track(noise_at_rest(), {.rework_interval = 3, .mend_below = 100}, 0);
+  for (std::size_t i = 1; i < run.models.size(); ++i) {
     EXPECT_EQ(run.reports[i].repairs, 0);
     // The cold frame is reworked, and so is every third after it: their mesh is that of the frame after.
-    const bool reworked = i % 3 == 1;
-    EXPECT_EQ(positions(run.models[i]) != positions(run.models[i - 1]), reworked) << i;
+    EXPECT_EQ(has_moved_knots(run, i), i % 3 == 1) << i;
   }
+}
+
+TEST(Tracker, AFrameThatFellIsMendedForTheNext) {
+  TrackOptions options{.rework_interval = 100, .most_repairs = 0, .mend_below = -100};
+  const Tracked always = track(noise_at_rest(), options, 0);
+  options.mend_below = 100;
+  const Tracked never = track(noise_at_rest(), options, 0);
+  for (std::size_t i = 2; i < always.models.size(); ++i) {
+    EXPECT_TRUE(has_moved_knots(always, i)) << i;
+    EXPECT_FALSE(has_moved_knots(never, i)) << i;
+  }
+}
+
+TEST(Tracker, WhatFallsAllTheTimeIsRepairedLessOften) {
+  const auto repairs = [](double patience) {
+    // Each frame is harder than the one before.
+    TrackOptions options{.scene_threshold = 1, .drift = 100, .look_interval = 100, .growth = 0};
+    options.repair_below = 0.01;
+    options.repair_patience = patience;
+    int count = 0;
+    for (const FrameReport& report : track(fade_in(), options, 1).reports) count += report.repairs;
+    return count;
+  };
+  EXPECT_EQ(repairs(1e9), 1);
+  EXPECT_GT(repairs(0), 3);
 }
 
 TEST(Tracker, CurvesAreBentEverySoManyFrames) {
@@ -416,6 +449,7 @@ TEST(Tracker, WrongOptionsAreRefused) {
   EXPECT_THROW(Tracker({}, {.look_interval = 0}), Error);
   EXPECT_THROW(Tracker({}, {.rework_interval = 0}), Error);
   EXPECT_THROW(Tracker({}, {.bend_interval = 0}), Error);
+  EXPECT_THROW(Tracker({}, {.repair_patience = -1}), Error);
   EXPECT_THROW(Tracker({}, {.knot_bits = -1}), Error);
   EXPECT_THROW(Tracker({}, {.knot_bits = 15}), Error);
   EXPECT_THROW(Tracker({}, {.displacement_step = 0}), Error);

@@ -47,10 +47,15 @@ struct TrackOptions {
   double hold_share = 0.4;    ///< ... and by less than this share of the MEC of the frame before
   CarryOptions carry{};
   SwapOptions swap{};
-  /// When a frame is worse than the one before by this, knots are put where the error is at once rather than
-  /// for the next frame; dB.
+  /// When a frame is worse than the one before by this, knots are put where the error is at once, and it is
+  /// fitted again; dB ...
   double repair_below = 0.4;
+  /// ... times 1 + repair_patience s, where s is the share of the frames of late that were: what falls all
+  /// the time is not worth to be fitted twice all the time. 0 or more.
+  double repair_patience = 5;
   int most_repairs = 1;  ///< of one frame
+  /// When a frame that is not repaired is worse by this, knots are put where its error is for the next; dB.
+  double mend_below = 0.3;
   /// When a frame can be told to become so much worse, dB, idle knots are put elsewhere before it is fitted.
   double swap_above = 1;
   int birth_interval = 8;  ///< frames between looks for features that the model lacks; 0: none
