@@ -3,6 +3,7 @@
 #include <Eigen/CholmodSupport>
 #include <cmath>
 #include <numbers>
+#include <random>
 
 #include "fit/normal_equations.h"
 #include "fit/reduced_system.h"
@@ -131,6 +132,20 @@ void BM_SolveReduced(benchmark::State& state) {
   });
 }
 
+/// The same from a solution that is wrong by up to two levels, as in warm frames.
+void BM_SolveReducedFromNearby(benchmark::State& state) {
+  run(state, [&](const Case& c) {
+    const NormalEquations normal = c.normal(c.values());
+    const Matrix p = spline::smooth_corner_prolongation(*c.space, spline::SharedFunctions::kFree);
+    Eigen::MatrixXd start = solve_reduced(normal.matrix, p, normal.right);
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> wrong(-2, 2);
+    for (double& x : start.reshaped()) x += wrong(random);
+    for (auto _ : state)
+      benchmark::DoNotOptimize(solve_reduced(normal.matrix, p, normal.right, start).data());
+  });
+}
+
 /// All of it but the values of the basis functions.
 template <Precision kPrecision>
 void BM_FitColours(benchmark::State& state) {
@@ -196,6 +211,7 @@ BENCHMARK(BM_Analyse)->Apply(sizes);
 BENCHMARK(BM_Factor)->Apply(sizes);
 BENCHMARK(BM_Resolve)->Apply(sizes);
 BENCHMARK(BM_SolveReduced)->Apply(sizes);
+BENCHMARK(BM_SolveReducedFromNearby)->Apply(sizes);
 BENCHMARK(BM_FitColours<Precision::kSingle>)->Apply(sizes);
 BENCHMARK(BM_FitColours<Precision::kDouble>)->Apply(sizes);
 BENCHMARK(BM_KnotGradient)->Apply(sizes);

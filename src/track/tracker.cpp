@@ -243,8 +243,7 @@ class Tracker::Impl {
     // Curves that were left alone may be why: they are bent in all frames for a while.
     if (since_bend_ > 0 && report_->psnr < last_psnr_ - options_.repair_below)
       frames_to_bend_ = kFramesToBend;
-    const double fall = options_.repair_below * (1 + options_.repair_patience * repaired_);
-    for (int pass = 0; pass < options_.most_repairs && report_->psnr < last_psnr_ - fall; ++pass) {
+    for (int pass = 0; pass < options_.most_repairs && needs_repair(); ++pass) {
       next_mesh_ = mesh_;
       rework(picture, true);
       take_over(next_mesh_, LinkMemory(*space_));
@@ -254,6 +253,13 @@ class Tracker::Impl {
     }
     repaired_ += kOfLate * ((report_->repairs > 0 ? 1 : 0) - repaired_);
     report_->survival = share_alive(before, space_->mesh());
+  }
+
+  /// What falls so often that it should be left alone is repaired all the same before a cold frame is made.
+  bool needs_repair() const {
+    const double fall = last_psnr_ - report_->psnr;
+    if (fall <= options_.repair_below) return false;
+    return fall > options_.repair_below * (1 + options_.repair_patience * repaired_) || has_drifted();
   }
 
   /// Where the knots of the mesh prepared for this frame have gone.
@@ -303,10 +309,10 @@ class Tracker::Impl {
   /// wait for a deeper fall, or longer.
   bool is_time_to_look() {
     if (report_->mec <= cold_.mec) return false;
-    const int times = std::max(1, vain_);
-    return ++since_look_ >= times * options_.look_interval ||
-           report_->psnr < drift_from_ - times * options_.drift;
+    return ++since_look_ >= looks_apart() * options_.look_interval || has_drifted();
   }
+  bool has_drifted() const { return report_->psnr < drift_from_ - looks_apart() * options_.drift; }
+  int looks_apart() const { return std::max(1, vain_); }
 
   /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to
   /// look again soon.
