@@ -131,6 +131,8 @@ nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
           {"bend_interval", o.bend_interval},
           {"knot_bits", o.knot_bits},
           {"displacement_step", o.displacement_step},
+          {"colour_step", o.colour_step},
+          {"delta_coarseness", o.delta_coarseness},
           {"restart_gain", o.restart_gain}};
 }
 

@@ -24,4 +24,8 @@ void round_displacement(std::vector<Vec2>& displacement, double step) {
   for (Vec2& d : displacement) d = {std::round(d.x / step) * step, std::round(d.y / step) * step};
 }
 
+void round_colours(std::vector<double>& colours, double step) {
+  for (double& c : colours) c = std::round(c / step) * step;
+}
+
 }  // namespace knotreel::document

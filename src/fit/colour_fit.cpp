@@ -88,12 +88,6 @@ double squared_error(std::span<const float> residual, const Pixels& pixels) {
 
 }  // namespace
 
-std::vector<float> residual_at_pixels(const spline::PixelValues& values, const image::Image& image,
-                                      std::span<const double> control, Precision precision) {
-  return precision == Precision::kSingle ? residual_in<float>(values, image, control)
-                                         : residual_in<double>(values, image, control);
-}
-
 ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const ColourFitOptions& options) {
   const spline::PixelValues values(basis, pixels.image->width, pixels.image->height, pixels.places);
   return fit_colours(values, pixels, options);
@@ -126,7 +120,8 @@ ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
   fit.control.resize(static_cast<std::size_t>(control.size()));
   Eigen::Map<RowMajor>(fit.control.data(), control.rows(), control.cols()) = control;
   if (options.find_residual) {
-    fit.residual = residual_at_pixels(values, image, fit.control, options.precision);
+    fit.residual = single ? residual_in<float>(values, image, fit.control)
+                          : residual_in<double>(values, image, fit.control);
     fit.squared_error = squared_error(fit.residual, pixels);
   }
   return fit;

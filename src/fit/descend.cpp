@@ -147,13 +147,15 @@ ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOp
   auto values = pixel_values(*basis, pixels);
   for (int i = 0; i < options.steps; ++i) {
     if (options.on_step) options.on_step();
+    ColourFitOptions colour = options.colour;
+    colour.start = at.fit.control;  // the functions stay, and hardly move
     const KnotMesh& mesh = at.space->mesh();
     std::vector<Vec2> moves = steps.moves(knot_gradient(*values, pixels, at.fit), mesh::shortest_edges(mesh));
     limit_moves(*at.space, mesh, options.min_distance, moves);
     at.space = std::make_shared<const spline::SplineSpace>(at.space->moved(moved_positions(mesh, moves)));
     basis = std::make_unique<const spline::Basis>(at.space);
     values = pixel_values(*basis, pixels);
-    at.fit = fit_colours(*values, pixels, options.colour);
+    at.fit = fit_colours(*values, pixels, colour);
     if (at.fit.squared_error < best.fit.squared_error) best = at;
   }
   return best;

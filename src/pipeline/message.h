@@ -6,7 +6,7 @@
 #include "knotreel/document/frame_model.h"
 #include "knotreel/image/image.h"
 #include "knotreel/pipeline/job.h"
-#include "knotreel/spline/placed_basis.h"
+#include "knotreel/spline/pixel_surface.h"
 
 namespace knotreel::pipeline {
 
@@ -19,11 +19,11 @@ struct Message {
   std::shared_ptr<const image::Image> picture;
   std::shared_ptr<const image::Image> before;  ///< null for the first frame
   std::unique_ptr<track::Motion> motion;
-  std::shared_ptr<Stretch> stretch;                   ///< that it belongs to; until it has a model
-  bool starts_group = false;                          ///< for certain or nearly so; drift is not foreseen
-  std::shared_ptr<track::ColdFrame> cold;             ///< made ahead, if it starts a group
-  document::FrameModel model;                         ///< from the stage "documents" on: as stored
-  std::shared_ptr<const spline::PlacedBasis> placed;  ///< of the space of the model, if there is one already
+  std::shared_ptr<Stretch> stretch;                     ///< that it belongs to; until it has a model
+  bool starts_group = false;                            ///< for certain or nearly so; drift is not foreseen
+  std::shared_ptr<track::ColdFrame> cold;               ///< made ahead, if it starts a group
+  document::FrameModel model;                           ///< from the stage "documents" on: as stored
+  std::shared_ptr<const spline::PixelSurface> surface;  ///< of the model, if it is known
   document::FrameModel next;  ///< the frame after, if `model` is to be taken on the way to it ...
   double share = 0;           ///< ... by so much
   image::Image rendering;     ///< of the size of the output

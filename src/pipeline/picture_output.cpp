@@ -13,7 +13,7 @@ using BasisPointer = std::shared_ptr<const spline::Basis>;
 
 image::Image rendered(const Message& message, const BasisPointer& basis,
                       const raster::RenderOptions& options) {
-  const raster::Renderer renderer(message.model, options, basis, message.placed);
+  const raster::Renderer renderer(message.model, options, basis, message.surface);
   image::Image image = image::make_image(renderer.width(), renderer.height(), renderer.channels());
   renderer.rows(0, image.height, image.samples);
   return image;

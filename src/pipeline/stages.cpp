@@ -81,7 +81,7 @@ void Stages::cold(Message& message) {
   if (!message.starts_group) return;
   timed(failure_, "cold", message, [&] {
     const auto observer = job_.watch.cold ? job_.watch.cold(message.index) : vectorize::Observer();
-    message.cold = track::make_cold_frame(*message.picture, job_.cold, observer);
+    message.cold = track::make_cold_frame(*message.picture, job_.cold, job_.tracking.colour_step, observer);
   });
 }
 
@@ -91,7 +91,7 @@ void Stages::model(Message& message) {
     track::FrameReport report;
     track::Tracker& tracker = message.stretch->tracker;
     message.model = tracker.next(*message.picture, message.motion.get(), &report, std::move(message.cold));
-    message.placed = tracker.placed();
+    message.surface = tracker.surface();
     message.motion.reset();
     message.stretch.reset();
     message.model.frame = message.index;
@@ -109,8 +109,9 @@ void Stages::documents(Message& message) {
     if (!job_.split_folder.empty()) write_single(message);
     const std::uint64_t before = document_.bytes();
     document::FrameModel stored = document_.append(message.model);
-    if (stored.space != message.model.space || stored.displacement != message.model.displacement)
-      message.placed.reset();
+    if (stored.space != message.model.space || stored.displacement != message.model.displacement ||
+        stored.colour != message.model.colour)
+      message.surface.reset();
     message.model = std::move(stored);
     message.row.bytes = document_.bytes() - before;
   });
@@ -127,13 +128,13 @@ void Stages::write_single(const Message& message) {
 void Stages::rasterize(Message& message) {
   timed(failure_, "rasterize", message, [&] {
     const auto basis =
-        message.placed ? message.placed->basis() : std::make_shared<const spline::Basis>(message.model.space);
+        message.surface ? message.surface->basis : std::make_shared<const spline::Basis>(message.model.space);
     output_.draw(message, basis);
     message.row.meg = track::curve_error(message.model, *basis, motion::luma_of(*message.picture));
     beside_.compose(message);
     if (job_.watch.stored) job_.watch.stored(message.index, *message.picture, message.model);
     message.model = {};
-    message.placed.reset();
+    message.surface.reset();
     message.picture.reset();
   });
 }

@@ -53,7 +53,7 @@ std::array<Vec2, kSamples> sample_pattern() {
 
 struct Renderer::State {
   State(const document::FrameModel& model, const RenderOptions& options,
-        std::shared_ptr<const spline::Basis> basis, std::shared_ptr<const spline::PlacedBasis> given)
+        std::shared_ptr<const spline::Basis> basis, std::shared_ptr<const spline::PixelSurface> given)
       : size(resolve_size(model, options)),
         surface(model, basis),
         trace(surface, model.space->mesh()),
@@ -71,18 +71,22 @@ struct Renderer::State {
     tile_height = side(fine_height);
     if (size.pixel_width != 1 || size.pixel_height != 1) return;
     if (surface.width() * surface.height() > kMostPlaced) return;
-    colour = model.colour;
-    if (given && (given->values().width() != size.width || given->values().height() != size.height))
-      throw Error(ErrorKind::kInvalidArgument,
-                  "a basis at the pixels of another size is of no use to draw with");
-    placed = given ? std::move(given) : fit::place_basis(basis, model.displacement);
+    is_fitted_size = true;
     tile_width = tile_height = kPlacedSide;
+    if (given) {
+      if (given->colours.size() != static_cast<std::size_t>(size.width) * std::size_t(size.height) * channels)
+        throw Error(ErrorKind::kInvalidArgument, "a surface at other pixels is of no use to draw with");
+      known = std::move(given);
+      return;
+    }
+    colour = model.colour;
+    placed = fit::place_basis(basis, model.displacement);
   }
 
   void fine_rows(int row_begin, int row_end, int column_begin, int column_end, float* out) const;
   void draw_block(int tile_x0, int tile_y0, int tile_x1, int tile_y1,
                   const std::vector<std::uint64_t>& crossed, const Part& part) const;
-  void draw_placed(int x0, int y0, const Part& part, std::vector<float>& memory) const;
+  void draw_fitted(int x0, int y0, const Part& part, std::vector<float>& memory) const;
   template <class Value>
   void store_tile(const Value* colours, std::size_t stride, int x0, int y0, const Part& part) const;
   void draw_centres(Tile& tile, int x0, int y0, const Part& part) const;
@@ -94,7 +98,9 @@ struct Renderer::State {
   FeatureTrace trace;
   std::size_t channels;
   bool antialias;
-  /// Pictures of the size of the model: the basis at their pixels, and the colours of its control points.
+  bool is_fitted_size = false;  ///< of pictures of the size of the model: these pixels were fitted
+  /// Their colours, or the basis there and the colours of its control points.
+  std::shared_ptr<const spline::PixelSurface> known;
   std::shared_ptr<const spline::PlacedBasis> placed;
   std::vector<double> colour;
   // The grid that is drawn is finer than the output where the picture is made smaller.
@@ -135,8 +141,19 @@ void Renderer::State::draw_centres(Tile& tile, int x0, int y0, const Part& part)
   store_tile(colours.data(), kBatch, x0, y0, part);
 }
 
-/// The same, where the basis has been evaluated there.
-void Renderer::State::draw_placed(int x0, int y0, const Part& part, std::vector<float>& memory) const {
+/// The same, as whoever fits the surface evaluates it there.
+void Renderer::State::draw_fitted(int x0, int y0, const Part& part, std::vector<float>& memory) const {
+  if (known) {
+    const int x1 = std::min(x0 + tile_width, part.column_end);
+    const int y1 = std::min(y0 + tile_height, part.row_end);
+    x0 = std::max(x0, part.column_begin);
+    for (int y = std::max(y0, part.row_begin); y < y1; ++y) {
+      const std::size_t first = static_cast<std::size_t>(y) * std::size_t(size.width) + std::size_t(x0);
+      std::copy_n(known->colours.data() + first * channels, static_cast<std::size_t>(x1 - x0) * channels,
+                  part.at(x0, y));
+    }
+    return;
+  }
   spline::TileSurface<float> colours;
   const spline::PixelValues& values = placed->values();
   const std::size_t index = static_cast<std::size_t>(y0 / kPlacedSide) * values.tile_columns() +
@@ -183,8 +200,8 @@ void Renderer::State::draw_block(int tile_x0, int tile_y0, int tile_x1, int tile
         pixels.insert(pixels.end(), first,
                       std::lower_bound(first, crossed.end(), pixel_at(x0 + tile_width, y)));
       }
-      if (placed) draw_placed(x0, y0, part, memory);
-      if (placed && pixels.empty()) continue;
+      if (is_fitted_size) draw_fitted(x0, y0, part, memory);
+      if (is_fitted_size && pixels.empty()) continue;
       if (!is_set) {
         tile.set_block({tile_x0 * tile_width * fine_width, tile_y0 * tile_height * fine_height},
                        {tile_x1 * tile_width * fine_width, tile_y1 * tile_height * fine_height});
@@ -194,7 +211,7 @@ void Renderer::State::draw_block(int tile_x0, int tile_y0, int tile_x1, int tile
       // band.
       tile.set({x0 * fine_width, y0 * fine_height},
                {(x0 + tile_width) * fine_width, (y0 + tile_height) * fine_height});
-      if (!placed) draw_centres(tile, x0, y0, part);
+      if (!is_fitted_size) draw_centres(tile, x0, y0, part);
       draw_crossed(tile, pixels, part);
     }
   }
@@ -244,8 +261,8 @@ Renderer::Renderer(const document::FrameModel& model, const RenderOptions& optio
     : Renderer(model, options, std::make_shared<const spline::Basis>(model.space)) {}
 Renderer::Renderer(const document::FrameModel& model, const RenderOptions& options,
                    std::shared_ptr<const spline::Basis> basis,
-                   std::shared_ptr<const spline::PlacedBasis> placed)
-    : state_(std::make_unique<State>(model, options, std::move(basis), std::move(placed))) {}
+                   std::shared_ptr<const spline::PixelSurface> known)
+    : state_(std::make_unique<State>(model, options, std::move(basis), std::move(known))) {}
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;

@@ -530,14 +530,18 @@ template void for_surface_tiles(const PixelValues&, std::span<const double>, int
 template void for_surface_tiles(const PixelValues&, std::span<const double>, int,
                                 const std::function<void(std::size_t, const TileSurface<float>&)>&);
 
+template <class Value>
 void surface_at_pixels(const PixelValues& values, std::span<const double> control, int channel_count,
-                       std::span<double> out) {
+                       std::span<Value> out) {
   const auto channels = static_cast<std::size_t>(channel_count);
-  for_surface_tiles<double>(values, control, channel_count, [&](std::size_t t, const auto& surface) {
+  for_surface_tiles<Value>(values, control, channel_count, [&](std::size_t t, const auto& surface) {
     values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
       for (std::size_t c = 0; c < channels; ++c) out[pixel * channels + c] = surface[c * kPixels + place];
     });
   });
 }
+
+template void surface_at_pixels(const PixelValues&, std::span<const double>, int, std::span<double>);
+template void surface_at_pixels(const PixelValues&, std::span<const double>, int, std::span<float>);
 
 }  // namespace knotreel::spline

@@ -3,6 +3,8 @@
 #include <chrono>
 #include <utility>
 
+#include "knotreel/document/stored_mesh.h"
+
 namespace knotreel::track {
 namespace {
 
@@ -15,13 +17,14 @@ double milliseconds_since(Clock::time_point start) {
 }  // namespace
 
 std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const vectorize::Options& options,
-                                           const vectorize::Observer& observer) {
+                                           double colour_step, const vectorize::Observer& observer) {
   const Clock::time_point start = Clock::now();
   vectorize::Vectorization made = vectorize::vectorize_picture(picture, options, observer);
   const auto frame = std::make_shared<ColdFrame>();
   frame->space = made.model.space;
   frame->displacement = std::move(made.model.displacement);
   frame->colours.control = std::move(made.model.colour);
+  document::round_colours(frame->colours.control, colour_step);
   frame->milliseconds.emplace_back("cold", milliseconds_since(start));
   const Clock::time_point fitted = Clock::now();
   frame->basis = std::move(made.fitted.basis);
@@ -30,11 +33,8 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
                     std::make_shared<const spline::PlacedBasis>(frame->basis, picture.width, picture.height,
                                                                 std::move(made.fitted.places)),
                     made.fitted.crossed);
-  frame->colours.residual = std::move(made.fitted.surface);
-  std::vector<float>& residual = frame->colours.residual;
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    residual[i] = frame->placed.picture.samples[i] - residual[i];
-  }
+  frame->surface = surface_at(frame->placed, frame->colours.control);
+  frame->colours.residual = residual_of(frame->placed, *frame->surface);
   frame->milliseconds.emplace_back("measure", milliseconds_since(fitted));
   return frame;
 }

@@ -18,6 +18,7 @@ struct ColdFrame {
   std::shared_ptr<const spline::Basis> basis;  ///< of space
   PlacedPixels placed;
   fit::ColourFit colours;                                    ///< the residual is that of placed
+  std::shared_ptr<const spline::PixelSurface> surface;       ///< at placed
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };
 

@@ -20,6 +20,8 @@ GroupRule::GroupRule(const TrackOptions& options, Start first) : options_(option
     throw Error(ErrorKind::kInvalidArgument, "the knot bits of a document are 0 to 14");
   if (!(options.displacement_step > 0))
     throw Error(ErrorKind::kInvalidArgument, "the displacement step of a document is more than 0");
+  if (!(options.colour_step > 0 && options.delta_coarseness > 0))
+    throw Error(ErrorKind::kInvalidArgument, "the colour steps of a document are more than 0");
 }
 
 Start GroupRule::start_of(const Motion* motion) const {

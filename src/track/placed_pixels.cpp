@@ -1,5 +1,7 @@
 #include "track/placed_pixels.h"
 
+#include <algorithm>
+#include <functional>
 #include <utility>
 
 #include "knotreel/base/parallel.h"
@@ -33,6 +35,23 @@ PlacedPixels place_pixels(const std::shared_ptr<const spline::Basis>& basis,
                     crossed = fit::crossed_pixels(*basis, displacement, picture.width, picture.height);
                   });
   return placed_pixels(picture, std::move(placed), crossed);
+}
+
+std::shared_ptr<const spline::PixelSurface> surface_at(const PlacedPixels& pixels,
+                                                       std::span<const double> control) {
+  auto surface = std::make_shared<spline::PixelSurface>();
+  surface->basis = pixels.placed->basis();
+  surface->colours.resize(pixels.picture.samples.size());
+  spline::surface_at_pixels<float>(pixels.placed->values(), control, pixels.picture.channels,
+                                   surface->colours);
+  return surface;
+}
+
+std::vector<float> residual_of(const PlacedPixels& pixels, const spline::PixelSurface& surface) {
+  std::vector<float> residual(surface.colours.size());
+  const std::vector<float>& picture = pixels.picture.samples;
+  std::transform(picture.begin(), picture.end(), surface.colours.begin(), residual.begin(), std::minus());
+  return residual;
 }
 
 }  // namespace knotreel::track

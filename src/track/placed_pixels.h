@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "knotreel/fit/pixels.h"
+#include "knotreel/spline/pixel_surface.h"
 #include "knotreel/spline/placed_basis.h"
 
 namespace knotreel::track {
@@ -27,5 +28,12 @@ PlacedPixels placed_pixels(const image::Image& picture, std::shared_ptr<const sp
 /// The same for the geometry of a surface.
 PlacedPixels place_pixels(const std::shared_ptr<const spline::Basis>& basis,
                           std::span<const Vec2> displacement, const image::Image& picture);
+
+/// The surface of control points with these colours, function by function, at the pixels.
+std::shared_ptr<const spline::PixelSurface> surface_at(const PlacedPixels& pixels,
+                                                       std::span<const double> control);
+
+/// Picture minus surface; row-major, channels interleaved.
+std::vector<float> residual_of(const PlacedPixels& pixels, const spline::PixelSurface& surface);
 
 }  // namespace knotreel::track

@@ -135,7 +135,7 @@ class Tracker::Impl {
     }
     if (report.start != Start::kWarm) {
       if (report.start != Start::kDrift) target_.reset();  // it is that of the frame before
-      take_over(cold ? std::move(*cold) : std::move(*make_cold_frame(picture, cold_)));
+      take_over(cold ? std::move(*cold) : std::move(*make_cold_frame(picture, cold_, options_.colour_step)));
       start_group(picture);
     }
     report.knots = space_->mesh().knots.size();
@@ -143,7 +143,7 @@ class Tracker::Impl {
     return model(picture, report.start != Start::kWarm);
   }
 
-  std::shared_ptr<const spline::PlacedBasis> placed() const { return seen_.placed; }
+  std::shared_ptr<const spline::PixelSurface> surface() const { return surface_; }
 
  private:
   void lap(const char* stage) {
@@ -162,6 +162,7 @@ class Tracker::Impl {
     basis_ = std::move(cold.basis);
     seen_ = std::move(cold.placed);
     colours_ = std::move(cold.colours);
+    surface_ = std::move(cold.surface);
     report_->milliseconds.insert(report_->milliseconds.end(), cold.milliseconds.begin(),
                                  cold.milliseconds.end());
     clock_ = std::chrono::steady_clock::now();
@@ -169,11 +170,7 @@ class Tracker::Impl {
 
   void start_group(const image::Image& picture) {
     measure();
-    if (options_.warm_start) {
-      if (!target_) make_target(picture);
-      last_cold_ = {report_->psnr, difficulty_now()};
-      lap("difficulty");
-    }
+    if (options_.warm_start && !target_) make_target(picture);
     drift_from_ = report_->psnr;
     group_functions_ = space_->function_count();
     group_features_ = feature_length(space_->mesh());
@@ -189,7 +186,12 @@ class Tracker::Impl {
     last_psnr_ = report_->psnr;
     last_mec_ = report_->mec;
     repaired_ = 0;
-    end_frame(picture, false);
+    if (!options_.warm_start) return;
+    parallel_invoke(
+        [&] {
+          last_cold_ = {report_->psnr, difficulty_now()};
+        },
+        [&] { end_frame(picture, false); });
   }
 
   void make_target(const image::Image& picture) {
@@ -322,7 +324,7 @@ class Tracker::Impl {
     const double expected = expected_psnr();
     lap("difficulty");
     if (expected < report_->psnr + options_.restart_gain) return nullptr;
-    std::shared_ptr<ColdFrame> cold = make_cold_frame(picture, cold_);
+    std::shared_ptr<ColdFrame> cold = make_cold_frame(picture, cold_, options_.colour_step);
     lap("cold");
     const Quality quality = quality_of(cold->colours.residual, cold->placed.weights, picture.channels);
     if (quality.psnr > report_->psnr + options_.restart_gain) return cold;
@@ -397,7 +399,9 @@ class Tracker::Impl {
     colour.start = before;
     colours_ = fit::fit_colours(values(), pixels, colour);
     hold_colours(match);
-    colours_.residual = fit::residual_at_pixels(values(), seen_.picture, colours_.control, colour.precision);
+    document::round_colours(colours_.control, options_.colour_step * options_.delta_coarseness);
+    surface_ = surface_at(seen_, colours_.control);
+    colours_.residual = residual_of(seen_, *surface_);
     lap("colours");
   }
 
@@ -435,7 +439,6 @@ class Tracker::Impl {
   /// reworked.
   void end_frame(const image::Image& picture, bool has_fallen) {
     next_mesh_ = mesh_;
-    if (!options_.warm_start) return;
     grow_group();
     ++since_births_;
     if (++since_rework_ < options_.rework_interval && !has_fallen) return;
@@ -555,8 +558,9 @@ class Tracker::Impl {
   std::shared_ptr<const spline::SplineSpace> space_;
   std::vector<Vec2> displacement_;
   PlacedPixels seen_;
-  fit::ColourFit colours_;                      ///< the residual is that of seen_
-  std::shared_ptr<const spline::Basis> basis_;  ///< of space_
+  fit::ColourFit colours_;                               ///< the residual is that of seen_
+  std::shared_ptr<const spline::PixelSurface> surface_;  ///< at seen_
+  std::shared_ptr<const spline::Basis> basis_;           ///< of space_
   /// Of space_, but with the knots where they are before they are rounded to the grid: motion of less than
   /// a step of it is not lost.
   KnotMesh mesh_;
@@ -599,8 +603,8 @@ Tracker::~Tracker() = default;
 Tracker::Tracker(Tracker&&) noexcept = default;
 Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
-std::shared_ptr<const spline::PlacedBasis> Tracker::placed() const {
-  return impl_->placed();
+std::shared_ptr<const spline::PixelSurface> Tracker::surface() const {
+  return impl_->surface();
 }
 
 document::FrameModel Tracker::next(const image::Image& picture, const Motion* motion, FrameReport* report,

@@ -74,7 +74,9 @@ class Run {
     if (options_.descent_steps > 0) {
       begin_round("descent");
       if (full_fit_ && steering_.image->height != picture_.height) {
-        surface_.fit = fit::fit_colours(spline::Basis(surface_.space), steering_, options_.colour);
+        fit::ColourFitOptions colour = options_.colour;
+        colour.start = surface_.fit.control;
+        surface_.fit = fit::fit_colours(spline::Basis(surface_.space), steering_, colour);
         full_fit_ = false;
       }
       descend();
@@ -416,8 +418,11 @@ class Run {
     lap("colours");
   }
 
+  /// @param basis of the space of the last fit.
   void fit_all_pixels(const spline::Basis& basis) {
-    surface_.fit = fit::fit_colours(basis, full_pixels(), options_.colour);
+    fit::ColourFitOptions colour = options_.colour;
+    colour.start = surface_.fit.control;
+    surface_.fit = fit::fit_colours(basis, full_pixels(), colour);
     full_fit_ = true;
     lap("colours");
   }
@@ -469,12 +474,7 @@ class Run {
   }
 
   /// After finish(). Takes what it needs.
-  Fitted fitted() {
-    std::vector<float> surface = std::move(surface_.fit.residual);
-    const std::vector<float>& target = colours().samples;
-    for (std::size_t i = 0; i < surface.size(); ++i) surface[i] = target[i] - surface[i];
-    return {std::move(basis_), std::move(places_), std::move(crossed_), std::move(surface)};
-  }
+  Fitted fitted() { return {std::move(basis_), std::move(places_), std::move(crossed_)}; }
 
   const image::Image& picture_;
   const Options& options_;

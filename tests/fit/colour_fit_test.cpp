@@ -254,7 +254,7 @@ TEST(SurfaceAtPixels, EqualsEvaluationByPoints) {
     const spline::Basis basis(space);
     const std::vector<double> control = random_control(space->function_count() * std::size_t(channels), 3);
     std::vector<double> out(48 * 40 * std::size_t(channels), 1e9);  // overwritten
-    surface_at_pixels(PixelValues(basis, 48, 40, places), control, channels, out);
+    surface_at_pixels<double>(PixelValues(basis, 48, 40, places), control, channels, out);
     const std::vector<double> expected = slow_surface(basis, control, channels, 48, 40, places);
     for (std::size_t i = 0; i < out.size(); ++i) ASSERT_NEAR(out[i], expected[i], 1e-9);
   }

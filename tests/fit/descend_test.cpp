@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <stdexcept>
 
 #include "fit/fit_cases.h"
@@ -31,6 +33,13 @@ ColourSurface start(const mesh::KnotMesh& mesh, int degree, const Pixels& pixels
   ColourSurface surface{make_space(mesh, degree), {}};
   surface.fit = fit_colours(spline::Basis(surface.space), pixels, options);
   return surface;
+}
+
+double most_apart(const std::vector<double>& a, const std::vector<double>& b) {
+  EXPECT_EQ(a.size(), b.size());
+  double most = 0;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+  return most;
 }
 
 void expect_sound(const spline::SplineSpace& space) {
@@ -66,8 +75,8 @@ TEST_P(Descent, NeverEndsWorseAndStaysSound) {
       expect_sound(*to.space);
       // The colours are those of the mesh.
       const ColourFit again = fit_colours(spline::Basis(to.space), pixels);
-      EXPECT_EQ(again.control, to.fit.control);
-      EXPECT_EQ(again.squared_error, to.fit.squared_error);
+      EXPECT_LT(most_apart(again.control, to.fit.control), 0.05);
+      EXPECT_NEAR(again.squared_error, to.fit.squared_error, 1e-6 * again.squared_error);
 
       const mesh::KnotMesh& a = from.space->mesh();
       const mesh::KnotMesh& b = to.space->mesh();
@@ -154,7 +163,7 @@ TEST(DescentSteps, UseTheOptionsOfTheColourFit) {
   const ColourFitOptions options{.ridge = 1e-2, .smooth_corners = false};
   const ColourSurface to =
       descend(start(featured_mesh(2), 2, pixels, options), pixels, {.steps = 3, .colour = options});
-  EXPECT_EQ(fit_colours(spline::Basis(to.space), pixels, options).control, to.fit.control);
+  EXPECT_LT(most_apart(fit_colours(spline::Basis(to.space), pixels, options).control, to.fit.control), 0.05);
 }
 
 /// However long a step that is asked for, it leaves faces of a quarter of the distance, or takes at most half

@@ -334,15 +334,15 @@ TEST(Render, RefusesSizesAndCropsThatMakeNoSense) {
   EXPECT_THROW(renderer.rows(-1, 0, row), Error);
 }
 
-TEST(Render, RefusesABasisAtThePixelsOfAnotherSize) {
+TEST(Render, RefusesASurfaceAtOtherPixels) {
   const FrameModel model = two_coloured_model(2, kSeed);
   const auto basis = std::make_shared<const spline::Basis>(model.space);
-  const auto placed = [&](int width, int height) {
-    std::vector<Vec2> places(static_cast<std::size_t>(width * height), {20, 20});
-    return std::make_shared<const spline::PlacedBasis>(basis, width, height, std::move(places));
+  const auto known = [&](std::size_t pixels) {
+    return std::make_shared<const spline::PixelSurface>(
+        spline::PixelSurface{basis, std::vector<float>(pixels * static_cast<std::size_t>(model.channels))});
   };
-  EXPECT_NO_THROW(Renderer(model, {}, basis, placed(60, 50)));
-  EXPECT_THROW(Renderer(model, {}, basis, placed(50, 60)), Error);
+  EXPECT_NO_THROW(Renderer(model, {}, basis, known(60 * 50)));
+  EXPECT_THROW(Renderer(model, {}, basis, known(60 * 49)), Error);
 }
 
 }  // namespace

@@ -239,7 +239,7 @@ TEST_P(Pixels, SurfaceIsTheSumOfValuesTimesControlPoints) {
       std::vector<double> control(n * channels);
       for (double& v : control) v = static_cast<double>(random() % 256);
       std::vector<double> out(raster.size() * channels);
-      surface_at_pixels(pixels, control, static_cast<int>(channels), out);
+      surface_at_pixels<double>(pixels, control, static_cast<int>(channels), out);
       for (std::size_t i = 0; i < out.size(); ++i) {
         double sum = 0;
         for (std::size_t f = 0; f < n; ++f)

@@ -25,4 +25,9 @@ StoredMesh stored_mesh(const mesh::KnotMesh& mesh, int knot_bits);
 /// @param step in pixels, as EncodeOptions::displacement_step.
 void round_displacement(std::vector<Vec2>& displacement, double step);
 
+/// Rounds the colours of control points as documents do.
+/// @param step in levels, as EncodeOptions::colour_step; for frames that are no keyframes, times
+/// EncodeOptions::delta_coarseness.
+void round_colours(std::vector<double>& colours, double step);
+
 }  // namespace knotreel::document

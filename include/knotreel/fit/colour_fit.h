@@ -50,9 +50,4 @@ ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const Co
 ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
                       const ColourFitOptions& options = {});
 
-/// Picture minus surface at the pixels; row-major, channels interleaved.
-std::vector<float> residual_at_pixels(const spline::PixelValues& values, const image::Image& image,
-                                      std::span<const double> control,
-                                      Precision precision = Precision::kDouble);
-
 }  // namespace knotreel::fit

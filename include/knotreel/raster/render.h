@@ -6,7 +6,7 @@
 
 #include "knotreel/document/frame_model.h"
 #include "knotreel/spline/basis.h"
-#include "knotreel/spline/placed_basis.h"
+#include "knotreel/spline/pixel_surface.h"
 
 /// Vector model -> pixels: for each output pixel the parameter u with S_geo(u) = x is found by Newton's
 /// method, and the colour is S_col(u) (docs/algorithm.md, "rendering").
@@ -36,11 +36,11 @@ class Renderer {
   /// @throws Error{kInvalidArgument} for sizes below 1 or above 2^24, or a crop outside the picture.
   Renderer(const document::FrameModel& model, const RenderOptions& options = {});
   /// @param basis  of the space of the model, for callers who have it.
-  /// @param placed that basis at fit::pixel_places() of the geometry of the model, for callers who have it;
-  /// or null.
+  /// @param known the colours of the model at the centres of the pixels of its own size, in single precision
+  /// as spline::surface_at_pixels() at fit::pixel_places(), for callers who have them; or null.
   Renderer(const document::FrameModel& model, const RenderOptions& options,
            std::shared_ptr<const spline::Basis> basis,
-           std::shared_ptr<const spline::PlacedBasis> placed = nullptr);
+           std::shared_ptr<const spline::PixelSurface> known = nullptr);
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;

@@ -144,7 +144,8 @@ void for_surface_tiles(const PixelValues& values, std::span<const double> contro
                        const std::function<void(std::size_t, const TileSurface<Value>&)>& visit);
 
 /// The same for the whole picture. @param out row-major, channels interleaved.
+template <class Value>
 void surface_at_pixels(const PixelValues& values, std::span<const double> control, int channels,
-                       std::span<double> out);
+                       std::span<Value> out);
 
 }  // namespace knotreel::spline

@@ -11,7 +11,7 @@
 #include "knotreel/document/writer.h"
 #include "knotreel/image/image.h"
 #include "knotreel/spline/basis.h"
-#include "knotreel/spline/placed_basis.h"
+#include "knotreel/spline/pixel_surface.h"
 #include "knotreel/track/birth_options.h"
 #include "knotreel/track/carry_mesh.h"
 #include "knotreel/track/cold_frame.h"
@@ -64,6 +64,11 @@ struct TrackOptions {
   int knot_bits = document::EncodeOptions{}.delta_knot_bits;
   /// Likewise their displacements, to multiples of this, pixels; more than 0.
   double displacement_step = document::EncodeOptions{}.displacement_step;
+  /// What is measured, drawn and gone on from has the colours of control points as documents have them, too:
+  /// in steps of this in keyframes, levels, more than 0 ...
+  double colour_step = document::EncodeOptions{}.colour_step;
+  /// ... and of so many times that in other frames, more than 0.
+  double delta_coarseness = document::EncodeOptions{}.delta_coarseness;
   SwapOptions urgent_swap{.ratio = 4, .share = 0.1};
 };
 
@@ -116,8 +121,8 @@ class Tracker {
   document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport* report = nullptr,
                             std::shared_ptr<ColdFrame> cold = nullptr);
 
-  /// The basis of the last model at its pixels, for whoever draws it.
-  std::shared_ptr<const spline::PlacedBasis> placed() const;
+  /// The last model at its pixels, for whoever draws it; only those that features cross look different.
+  std::shared_ptr<const spline::PixelSurface> surface() const;
 
  private:
   class Impl;

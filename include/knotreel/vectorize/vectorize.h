@@ -63,7 +63,6 @@ struct Fitted {
   std::shared_ptr<const spline::Basis> basis;  ///< of the space of the model
   std::vector<Vec2> places;                    ///< of the pixels in the domain; empty: the centres
   std::vector<std::uint8_t> crossed;           ///< 1 for pixels that features cross; empty: none
-  std::vector<float> surface;                  ///< at the pixels, as image::Image::samples
 };
 
 struct Vectorization {
