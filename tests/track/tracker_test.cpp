@@ -188,6 +188,35 @@ TEST(Tracker, ARepeatedPictureKeepsItsModel) {
   }
 }
 
+/// Share of the colours of control points that change from frame to frame while nothing but noise does.
+double share_of_changed_colours(double temporal_weight) {
+  std::vector<image::Image> pictures(8, scene(40, 36));
+  std::mt19937 random(20261123);
+  std::normal_distribution<float> noise(0, 0.1F);
+  for (image::Image& picture : pictures) {
+    for (float& s : picture.samples) s += noise(random);
+  }
+  const Tracked run = track(pictures, {.temporal_weight = temporal_weight, .rework_interval = 100});
+  std::size_t changed = 0;
+  std::size_t all = 0;
+  for (std::size_t i = 3; i < pictures.size(); ++i) {  // the first settle what a keyframe has other steps of
+    const document::FrameModel& before = run.models[i - 1];
+    const document::FrameModel& now = run.models[i];
+    if (before.colour.size() != now.colour.size()) continue;
+    for (std::size_t c = 0; c < now.colour.size(); ++c) changed += before.colour[c] != now.colour[c];
+    all += now.colour.size();
+  }
+  EXPECT_GT(all, 0u);
+  return static_cast<double>(changed) / static_cast<double>(all);
+}
+
+/// What rounding leaves is a part of what was missed, half of which is taken off the next picture.
+TEST(Tracker, ColoursStayUntilTheBestAreAStepAway) {
+  const double share = share_of_changed_colours(0.5);
+  EXPECT_LT(share, 0.03);
+  EXPECT_GT(share_of_changed_colours(0), 3 * share);
+}
+
 TEST(Tracker, NoFrameHasMoreControlPointsThanAllowed) {
   std::vector<image::Image> pictures = moving(12);
   for (std::size_t t = 0; t < pictures.size(); ++t) {  // more to show than the points are enough for
