@@ -31,11 +31,23 @@ std::size_t threads_allowed() {
   return Control::active_value(Control::max_allowed_parallelism);
 }
 
+/// At the end of a scope, whether or not by an exception.
+struct ReleaseAtEnd {
+  HappensBefore& order;
+  ~ReleaseAtEnd() { order.release(); }
+};
+struct AcquireAtEnd {
+  HappensBefore& order;
+  ~AcquireAtEnd() { order.acquire(); }
+};
+
 /// Idle threads come by a task of oneTBB, busy ones see the loop on the board.
 void run_urgently(std::size_t count, const std::function<void(std::size_t)>& body) {
   const std::size_t threads = std::min(threads_allowed(), count);
   SharedLoop loop(count, threads, body);
   HappensBefore begun;
+  HappensBefore ended;
+  const AcquireAtEnd end{ended};
   begun.release();
   // Isolated: to wait for helpers must not mean to begin with anything else.
   oneapi::tbb::this_task_arena::isolate([&] {
@@ -43,6 +55,7 @@ void run_urgently(std::size_t count, const std::function<void(std::size_t)>& bod
     for (std::size_t i = 1; i < threads; ++i) {
       helpers.run([&] {
         begun.acquire();
+        const ReleaseAtEnd done{ended};
         loop.help();
       });
     }
@@ -59,14 +72,16 @@ void run_urgently(std::size_t count, const std::function<void(std::size_t)>& bod
 void run_plainly(std::size_t count, const std::function<void(std::size_t)>& body) {
   HappensBefore begun;
   HappensBefore ended;
+  const AcquireAtEnd end{ended};
   begun.release();
   oneapi::tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     begun.acquire();
-    body(i);
-    ended.release();
+    {
+      const ReleaseAtEnd done{ended};
+      body(i);
+    }
     if (!urgent_here()) SharedLoop::help_all();
   });
-  ended.acquire();
 }
 
 }  // namespace
