@@ -236,7 +236,8 @@ class Tracker::Impl {
     carried = refilled(carried, *errors_before);
     lap("foresee");
     const KnotMesh before = space_->mesh();
-    frame_before_ = {space_, colours_.control, std::move(colours_.residual), std::move(seen_.weights)};
+    frame_before_ = {space_, colours_.control, std::move(colours_.residual), std::move(seen_.weights),
+                     last_mec_};
     take_over(carried, *links);
     bend_curves(*motion.now);
     fit(picture, motion);
@@ -397,6 +398,7 @@ class Tracker::Impl {
     const std::vector<double> before = colours_before(match);
     colour.start = before;
     colours_ = fit::fit_colours(values(), pixels, colour);
+    hold_colours(match);
     document::round_colours(colours_.control, options_.colour_step * options_.delta_coarseness);
     surface_ = surface_at(seen_, colours_.control);
     colours_.residual = residual_of(seen_, *surface_);
@@ -414,6 +416,23 @@ class Tracker::Impl {
                   colours.begin() + static_cast<std::ptrdiff_t>(f * channels));
     }
     return colours;
+  }
+
+  /// Control points whose colour hardly changes keep that of the frame before: less to store, less to
+  /// flicker.
+  /// @param match of the functions with those of the frame before.
+  void hold_colours(const std::vector<std::uint32_t>& match) {
+    const double hold = std::min(options_.colour_hold, options_.hold_share * frame_before_.mec);
+    if (hold <= 0) return;
+    const std::size_t channels = colours_.control.size() / match.size();
+    for (std::size_t f = 0; f < match.size(); ++f) {
+      if (match[f] == kNoMatch) continue;
+      for (std::size_t c = 0; c < channels; ++c) {
+        const double old = frame_before_.control[match[f] * channels + c];
+        double& now = colours_.control[f * channels + c];
+        if (std::abs(now - old) < hold) now = old;
+      }
+    }
   }
 
   /// Leaves the mesh that the next frame starts from; once in a while, and where the fit has fallen,
@@ -551,6 +570,7 @@ class Tracker::Impl {
     std::vector<double> control;
     std::vector<float> residual;  ///< of what was seen
     std::vector<float> weights;
+    double mec = 0;
   } frame_before_;
   Settling settling_;
   std::unique_ptr<knots::Target> target_;  ///< of the last picture
