@@ -71,7 +71,6 @@ struct Renderer::State {
     tile_height = side(fine_height);
     if (size.pixel_width != 1 || size.pixel_height != 1) return;
     if (surface.width() * surface.height() > kMostPlaced) return;
-    is_fitted_size = true;
     tile_width = tile_height = kPlacedSide;
     if (given) {
       if (given->colours.size() != static_cast<std::size_t>(size.width) * std::size_t(size.height) * channels)
@@ -86,7 +85,11 @@ struct Renderer::State {
   void fine_rows(int row_begin, int row_end, int column_begin, int column_end, float* out) const;
   void draw_block(int tile_x0, int tile_y0, int tile_x1, int tile_y1,
                   const std::vector<std::uint64_t>& crossed, const Part& part) const;
-  void draw_fitted(int x0, int y0, const Part& part, std::vector<float>& memory) const;
+  /// Whether the pixels are those that the surface is fitted to.
+  bool is_fitted_size() const { return known || placed; }
+
+  void copy_known(const Part& part) const;
+  void draw_placed(int x0, int y0, const Part& part, std::vector<float>& memory) const;
   template <class Value>
   void store_tile(const Value* colours, std::size_t stride, int x0, int y0, const Part& part) const;
   void draw_centres(Tile& tile, int x0, int y0, const Part& part) const;
@@ -98,8 +101,8 @@ struct Renderer::State {
   FeatureTrace trace;
   std::size_t channels;
   bool antialias;
-  bool is_fitted_size = false;  ///< of pictures of the size of the model: these pixels were fitted
-  /// Their colours, or the basis there and the colours of its control points.
+  /// Of pictures of the size of the model: the colours of their pixels, or the basis there and the colours of
+  /// its control points.
   std::shared_ptr<const spline::PixelSurface> known;
   std::shared_ptr<const spline::PlacedBasis> placed;
   std::vector<double> colour;
@@ -141,19 +144,17 @@ void Renderer::State::draw_centres(Tile& tile, int x0, int y0, const Part& part)
   store_tile(colours.data(), kBatch, x0, y0, part);
 }
 
-/// The same, as whoever fits the surface evaluates it there.
-void Renderer::State::draw_fitted(int x0, int y0, const Part& part, std::vector<float>& memory) const {
-  if (known) {
-    const int x1 = std::min(x0 + tile_width, part.column_end);
-    const int y1 = std::min(y0 + tile_height, part.row_end);
-    x0 = std::max(x0, part.column_begin);
-    for (int y = std::max(y0, part.row_begin); y < y1; ++y) {
-      const std::size_t first = static_cast<std::size_t>(y) * std::size_t(size.width) + std::size_t(x0);
-      std::copy_n(known->colours.data() + first * channels, static_cast<std::size_t>(x1 - x0) * channels,
-                  part.at(x0, y));
-    }
-    return;
+/// The same for all tiles, where that is known.
+void Renderer::State::copy_known(const Part& part) const {
+  const auto columns = static_cast<std::size_t>(part.column_end - part.column_begin);
+  for (int y = part.row_begin; y < part.row_end; ++y) {
+    const auto first = static_cast<std::size_t>(y) * std::size_t(size.width) + std::size_t(part.column_begin);
+    std::copy_n(known->colours.data() + first * channels, columns * channels, part.at(part.column_begin, y));
   }
+}
+
+/// The same, where the basis has been evaluated there.
+void Renderer::State::draw_placed(int x0, int y0, const Part& part, std::vector<float>& memory) const {
   spline::TileSurface<float> colours;
   const spline::PixelValues& values = placed->values();
   const std::size_t index = static_cast<std::size_t>(y0 / kPlacedSide) * values.tile_columns() +
@@ -200,8 +201,8 @@ void Renderer::State::draw_block(int tile_x0, int tile_y0, int tile_x1, int tile
         pixels.insert(pixels.end(), first,
                       std::lower_bound(first, crossed.end(), pixel_at(x0 + tile_width, y)));
       }
-      if (is_fitted_size) draw_fitted(x0, y0, part, memory);
-      if (is_fitted_size && pixels.empty()) continue;
+      if (placed) draw_placed(x0, y0, part, memory);
+      if (is_fitted_size() && pixels.empty()) continue;
       if (!is_set) {
         tile.set_block({tile_x0 * tile_width * fine_width, tile_y0 * tile_height * fine_height},
                        {tile_x1 * tile_width * fine_width, tile_y1 * tile_height * fine_height});
@@ -211,7 +212,7 @@ void Renderer::State::draw_block(int tile_x0, int tile_y0, int tile_x1, int tile
       // band.
       tile.set({x0 * fine_width, y0 * fine_height},
                {(x0 + tile_width) * fine_width, (y0 + tile_height) * fine_height});
-      if (!is_fitted_size) draw_centres(tile, x0, y0, part);
+      if (!is_fitted_size()) draw_centres(tile, x0, y0, part);
       draw_crossed(tile, pixels, part);
     }
   }
@@ -220,6 +221,7 @@ void Renderer::State::draw_block(int tile_x0, int tile_y0, int tile_x1, int tile
 void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, int column_end,
                                 float* out) const {
   const Part part{row_begin, row_end, column_begin, column_end, channels, out};
+  if (known) copy_known(part);
   std::vector<std::uint64_t> crossed;
   if (antialias) {
     crossed = trace.crossed_pixels(fine_width, fine_height, row_begin, row_end, column_begin, column_end);

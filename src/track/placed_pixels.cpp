@@ -49,8 +49,13 @@ std::shared_ptr<const spline::PixelSurface> surface_at(const PlacedPixels& pixel
 
 std::vector<float> residual_of(const PlacedPixels& pixels, const spline::PixelSurface& surface) {
   std::vector<float> residual(surface.colours.size());
-  const std::vector<float>& picture = pixels.picture.samples;
-  std::transform(picture.begin(), picture.end(), surface.colours.begin(), residual.begin(), std::minus());
+  const float* const picture = pixels.picture.samples.data();
+  const std::size_t row_size = pixels.picture.row_size();
+  parallel_for(static_cast<std::size_t>(pixels.picture.height), [&](std::size_t y) {
+    const std::size_t first = y * row_size;
+    std::transform(picture + first, picture + first + row_size, surface.colours.data() + first,
+                   residual.data() + first, std::minus());
+  });
   return residual;
 }
 

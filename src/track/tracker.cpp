@@ -236,8 +236,7 @@ class Tracker::Impl {
     carried = refilled(carried, *errors_before);
     lap("foresee");
     const KnotMesh before = space_->mesh();
-    frame_before_ = {space_, colours_.control, std::move(colours_.residual), std::move(seen_.weights),
-                     last_mec_};
+    frame_before_ = {space_, colours_.control, std::move(colours_.residual), std::move(seen_.weights)};
     take_over(carried, *links);
     bend_curves(*motion.now);
     fit(picture, motion);
@@ -398,7 +397,7 @@ class Tracker::Impl {
     const std::vector<double> before = colours_before(match);
     colour.start = before;
     colours_ = fit::fit_colours(values(), pixels, colour);
-    hold_colours(match);
+    hold_colours(before);
     document::round_colours(colours_.control, options_.colour_step * options_.delta_coarseness);
     surface_ = surface_at(seen_, colours_.control);
     colours_.residual = residual_of(seen_, *surface_);
@@ -420,18 +419,11 @@ class Tracker::Impl {
 
   /// Control points whose colour hardly changes keep that of the frame before: less to store, less to
   /// flicker.
-  /// @param match of the functions with those of the frame before.
-  void hold_colours(const std::vector<std::uint32_t>& match) {
-    const double hold = std::min(options_.colour_hold, options_.hold_share * frame_before_.mec);
-    if (hold <= 0) return;
-    const std::size_t channels = colours_.control.size() / match.size();
-    for (std::size_t f = 0; f < match.size(); ++f) {
-      if (match[f] == kNoMatch) continue;
-      for (std::size_t c = 0; c < channels; ++c) {
-        const double old = frame_before_.control[match[f] * channels + c];
-        double& now = colours_.control[f * channels + c];
-        if (std::abs(now - old) < hold) now = old;
-      }
+  /// @param before of colours_before().
+  void hold_colours(const std::vector<double>& before) {
+    const double hold = std::min(options_.colour_hold, options_.hold_share * last_mec_);
+    for (std::size_t i = 0; i < before.size(); ++i) {
+      if (std::abs(colours_.control[i] - before[i]) < hold) colours_.control[i] = before[i];
     }
   }
 
@@ -570,7 +562,6 @@ class Tracker::Impl {
     std::vector<double> control;
     std::vector<float> residual;  ///< of what was seen
     std::vector<float> weights;
-    double mec = 0;
   } frame_before_;
   Settling settling_;
   std::unique_ptr<knots::Target> target_;  ///< of the last picture

@@ -74,9 +74,7 @@ class Run {
     if (options_.descent_steps > 0) {
       begin_round("descent");
       if (full_fit_ && steering_.image->height != picture_.height) {
-        fit::ColourFitOptions colour = options_.colour;
-        colour.start = surface_.fit.control;
-        surface_.fit = fit::fit_colours(spline::Basis(surface_.space), steering_, colour);
+        surface_.fit = fit::fit_colours(spline::Basis(surface_.space), steering_, from_last_fit());
         full_fit_ = false;
       }
       descend();
@@ -418,11 +416,16 @@ class Run {
     lap("colours");
   }
 
-  /// @param basis of the space of the last fit.
-  void fit_all_pixels(const spline::Basis& basis) {
+  /// To fit the colours over the same space again.
+  fit::ColourFitOptions from_last_fit() const {
     fit::ColourFitOptions colour = options_.colour;
     colour.start = surface_.fit.control;
-    surface_.fit = fit::fit_colours(basis, full_pixels(), colour);
+    return colour;
+  }
+
+  /// @param basis of the space of the last fit.
+  void fit_all_pixels(const spline::Basis& basis) {
+    surface_.fit = fit::fit_colours(basis, full_pixels(), from_last_fit());
     full_fit_ = true;
     lap("colours");
   }
