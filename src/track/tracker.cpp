@@ -25,6 +25,7 @@
 #include "track/carried_links.h"
 #include "track/cold_frame.h"
 #include "track/difficulty.h"
+#include "track/fit_watch.h"
 #include "track/foresee.h"
 #include "track/matching.h"
 #include "track/placed_pixels.h"
@@ -56,7 +57,6 @@ namespace {
 constexpr double kLeastShare = 0.25;    // of what features may use, that a group without any may come to
 constexpr double kFunctionsOfKnot = 3;  // about: the least by which a group grows
 constexpr int kFramesToBend = 16;
-constexpr double kOfLate = 0.2;          // weight of a frame in shares of those of late
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 
 using mesh::EditableMesh;
@@ -107,7 +107,11 @@ double share_alive(const KnotMesh& before, const KnotMesh& now) {
 class Tracker::Impl {
  public:
   Impl(const vectorize::Options& cold, const TrackOptions& options, Start first)
-      : cold_(cold), options_(options), groups_(options, first), settling_(SettleOptions{}) {}
+      : cold_(cold),
+        options_(options),
+        groups_(options, first),
+        watch_(options),
+        settling_(SettleOptions{}) {}
 
   document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport& report,
                             std::shared_ptr<ColdFrame> cold) {
@@ -118,19 +122,20 @@ class Tracker::Impl {
     most_functions_ = vectorize::most_control_points(cold_, picture.pixel_count());
     if (report.start == Start::kWarm && motion->repeated) {
       report.survival = 1;
-      report.psnr = last_psnr_;
+      report.psnr = watch_.last();
       report.mec = last_mec_;
     } else if (report.start == Start::kWarm) {
       make_warm(picture, *motion);
-      cold = is_time_to_look() ? better_cold_frame(picture) : nullptr;
+      const bool look = report.mec > cold_.mec && watch_.is_time_to_look(report.psnr);
+      cold = look ? better_cold_frame(picture) : nullptr;
       if (cold) {
         report.start = Start::kDrift;
         groups_.restart();
       } else {
-        const bool has_fallen = report.repairs == 0 && report.psnr < last_psnr_ - options_.mend_below;
-        last_psnr_ = report.psnr;
+        const bool needs_mending = watch_.needs_mending(report.psnr, report.repairs > 0);
+        watch_.end_frame(report.psnr, report.repairs > 0);
         last_mec_ = report.mec;
-        end_frame(picture, has_fallen);
+        end_frame(picture, needs_mending);
       }
     }
     if (report.start != Start::kWarm) {
@@ -171,21 +176,17 @@ class Tracker::Impl {
   void start_group(const image::Image& picture) {
     measure();
     if (options_.warm_start && !target_) make_target(picture);
-    drift_from_ = report_->psnr;
+    watch_.start_group(report_->psnr);
     group_functions_ = space_->function_count();
     group_features_ = feature_length(space_->mesh());
-    vain_ = 0;
     since_births_ = 0;
     since_rework_ = options_.rework_interval;
     since_bend_ = options_.bend_interval;
     frames_to_bend_ = 0;
-    since_look_ = 0;
     has_new_features_ = false;
     next_id_ = EditableMesh(space_->mesh()).next_id();
     settling_.clear();
-    last_psnr_ = report_->psnr;
     last_mec_ = report_->mec;
-    repaired_ = 0;
     if (!options_.warm_start) return;
     parallel_invoke(
         [&] {
@@ -242,9 +243,8 @@ class Tracker::Impl {
     fit(picture, motion);
     measure();
     // Curves that were left alone may be why: they are bent in all frames for a while.
-    if (since_bend_ > 0 && report_->psnr < last_psnr_ - options_.repair_below)
-      frames_to_bend_ = kFramesToBend;
-    for (int pass = 0; pass < options_.most_repairs && needs_repair(); ++pass) {
+    if (since_bend_ > 0 && watch_.has_fallen(report_->psnr)) frames_to_bend_ = kFramesToBend;
+    for (int pass = 0; pass < options_.most_repairs && watch_.needs_repair(report_->psnr); ++pass) {
       next_mesh_ = mesh_;
       rework(picture, true);
       take_over(next_mesh_, LinkMemory(*space_));
@@ -252,15 +252,7 @@ class Tracker::Impl {
       measure();
       ++report_->repairs;
     }
-    repaired_ += kOfLate * ((report_->repairs > 0 ? 1 : 0) - repaired_);
     report_->survival = share_alive(before, space_->mesh());
-  }
-
-  /// What falls so often that it should be left alone is repaired all the same before a cold frame is made.
-  bool needs_repair() const {
-    const double fall = last_psnr_ - report_->psnr;
-    if (fall <= options_.repair_below) return false;
-    return fall > options_.repair_below * (1 + options_.repair_patience * repaired_) || has_drifted();
   }
 
   /// Where the knots of the mesh prepared for this frame have gone.
@@ -305,21 +297,10 @@ class Tracker::Impl {
                     knots::rings_around(mesh, fresh, share > options_.much_new ? 1 : 0));
   }
 
-  /// Counts the frame. Whether to look if a cold frame would be better: the fit has fallen, or it is long
-  /// since the last look (the picture may have become easier). Each cold frame in vain makes the next look
-  /// wait for a deeper fall, or longer.
-  bool is_time_to_look() {
-    if (report_->mec <= cold_.mec) return false;
-    return ++since_look_ >= looks_apart() * options_.look_interval || has_drifted();
-  }
-  bool has_drifted() const { return report_->psnr < drift_from_ - looks_apart() * options_.drift; }
-  int looks_apart() const { return std::max(1, vain_); }
-
   /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to
   /// look again soon.
   std::shared_ptr<ColdFrame> better_cold_frame(const image::Image& picture) {
-    drift_from_ = report_->psnr;
-    since_look_ = 0;
+    watch_.looked(report_->psnr);
     const double expected = expected_psnr();
     lap("difficulty");
     if (expected < report_->psnr + options_.restart_gain) return nullptr;
@@ -327,7 +308,7 @@ class Tracker::Impl {
     lap("cold");
     const Quality quality = quality_of(cold->colours.residual, cold->placed.weights, picture.channels);
     if (quality.psnr > report_->psnr + options_.restart_gain) return cold;
-    ++vain_;
+    watch_.made_cold_frame_in_vain();
     last_cold_ = {quality.psnr, difficulty_now()};
     return nullptr;
   }
@@ -429,13 +410,13 @@ class Tracker::Impl {
 
   /// Leaves the mesh that the next frame starts from; once in a while, and where the fit has fallen,
   /// reworked.
-  void end_frame(const image::Image& picture, bool has_fallen) {
+  void end_frame(const image::Image& picture, bool urgent) {
     next_mesh_ = mesh_;
     grow_group();
     ++since_births_;
-    if (++since_rework_ < options_.rework_interval && !has_fallen) return;
+    if (++since_rework_ < options_.rework_interval && !urgent) return;
     since_rework_ = 0;
-    rework(picture, has_fallen);
+    rework(picture, urgent);
   }
 
   /// Knots of the next mesh go a step against the gradient of the error, and those that are lost or idle come
@@ -544,6 +525,7 @@ class Tracker::Impl {
   vectorize::Options cold_;
   TrackOptions options_;
   GroupRule groups_;
+  FitWatch watch_;
   FrameReport* report_ = nullptr;
   std::chrono::steady_clock::time_point clock_;
 
@@ -571,20 +553,15 @@ class Tracker::Impl {
   struct {
     double psnr = 0;
     double difficulty = 0;
-  } last_cold_;            ///< that began the group, or was made in vain
-  double drift_from_ = 0;  ///< PSNR that a fall counts from
-  double repaired_ = 0;    ///< share of the frames of late that were
-  double last_psnr_ = 0;
+  } last_cold_;  ///< that began the group, or was made in vain
   double last_mec_ = 0;
   std::size_t group_functions_ = 0;
   std::size_t most_functions_ = 0;
-  int vain_ = 0;                   ///< cold frames of this group that were no better
   double group_features_ = 0;      ///< length of the feature polylines at its start, pixels
   int since_births_ = 0;           ///< frames
   int since_rework_ = 0;           ///< frames
   int since_bend_ = 0;             ///< frames
   int frames_to_bend_ = 0;         ///< in which curves are looked at whatever the interval
-  int since_look_ = 0;             ///< frames
   bool has_new_features_ = false;  ///< that were never bent to their edges
 };
 

@@ -1,0 +1,38 @@
+#include "track/fit_watch.h"
+
+namespace knotreel::track {
+
+namespace {
+
+constexpr double kOfLate = 0.2;  // weight of a frame in shares of those of late
+
+}  // namespace
+
+void FitWatch::start_group(double psnr) {
+  last_ = psnr;
+  repaired_ = 0;
+  vain_ = 0;
+  looked(psnr);
+}
+
+bool FitWatch::needs_repair(double psnr) const {
+  if (!has_fallen(psnr)) return false;
+  return last_ - psnr > options_.repair_below * (1 + options_.repair_patience * repaired_) ||
+         has_drifted(psnr);
+}
+
+void FitWatch::end_frame(double psnr, bool repaired) {
+  last_ = psnr;
+  repaired_ += kOfLate * ((repaired ? 1 : 0) - repaired_);
+}
+
+bool FitWatch::is_time_to_look(double psnr) {
+  return ++since_look_ >= looks_apart() * options_.look_interval || has_drifted(psnr);
+}
+
+void FitWatch::looked(double psnr) {
+  drift_from_ = psnr;
+  since_look_ = 0;
+}
+
+}  // namespace knotreel::track

@@ -1,0 +1,70 @@
+#include "track/fit_watch.h"
+
+#include <gtest/gtest.h>
+
+namespace knotreel::track {
+namespace {
+
+const TrackOptions kOptions{
+    .drift = 3, .look_interval = 8, .repair_below = 0.4, .repair_patience = 5, .mend_below = 0.3};
+
+FitWatch watch(double psnr) {
+  FitWatch watch(kOptions);
+  watch.start_group(psnr);
+  return watch;
+}
+
+TEST(FitWatch, WhatFallsIsRepairedAndWhatFallsLessIsMended) {
+  const FitWatch w = watch(30);
+  EXPECT_TRUE(w.needs_repair(29.5));
+  EXPECT_FALSE(w.needs_repair(29.65));
+  EXPECT_TRUE(w.needs_mending(29.65, false));
+  EXPECT_FALSE(w.needs_mending(29.65, true));
+  EXPECT_FALSE(w.needs_mending(29.75, false));
+  EXPECT_FALSE(w.needs_repair(31));
+}
+
+TEST(FitWatch, TheMoreRepairsTheDeeperAFall) {
+  FitWatch w = watch(30);
+  EXPECT_TRUE(w.needs_repair(29.3));
+  w.end_frame(30, true);  // a fifth of the frames of late: twice as deep
+  EXPECT_FALSE(w.needs_repair(29.3));
+  EXPECT_TRUE(w.needs_repair(29.1));
+  for (int i = 0; i < 20; ++i) w.end_frame(30, false);
+  EXPECT_TRUE(w.needs_repair(29.5));
+}
+
+TEST(FitWatch, WhatHasDriftedIsRepairedHoweverOftenThatWas) {
+  FitWatch w = watch(32);
+  for (int i = 0; i < 30; ++i) w.end_frame(29.5, true);
+  EXPECT_TRUE(w.has_fallen(29.05));
+  EXPECT_FALSE(w.needs_repair(29.05));  // 2.95 below the start
+  EXPECT_TRUE(w.needs_repair(28.95));
+}
+
+TEST(FitWatch, LooksComeAfterSoManyFramesOrAFall) {
+  FitWatch w = watch(30);
+  for (int i = 1; i < 8; ++i) EXPECT_FALSE(w.is_time_to_look(30)) << i;
+  EXPECT_TRUE(w.is_time_to_look(30));
+  w.looked(30);
+  EXPECT_FALSE(w.is_time_to_look(27.1));
+  EXPECT_TRUE(w.is_time_to_look(26.9));
+}
+
+TEST(FitWatch, ColdFramesInVainMakeLooksWait) {
+  FitWatch w = watch(30);
+  w.made_cold_frame_in_vain();
+  EXPECT_TRUE(w.is_time_to_look(26.9));
+  w.made_cold_frame_in_vain();
+  w.looked(30);
+  EXPECT_FALSE(w.is_time_to_look(26.9));  // twice as deep, or as long
+  EXPECT_TRUE(w.is_time_to_look(23.9));
+  w.looked(30);
+  for (int i = 1; i < 16; ++i) EXPECT_FALSE(w.is_time_to_look(30)) << i;
+  EXPECT_TRUE(w.is_time_to_look(30));
+  w.start_group(30);
+  EXPECT_TRUE(w.is_time_to_look(26.9));
+}
+
+}  // namespace
+}  // namespace knotreel::track
