@@ -22,21 +22,29 @@ std::size_t corner_of(const mesh::Face& face, KnotIndex k) {
   return face[0] == k ? 0 : face[1] == k ? 1 : 2;
 }
 
-/// Integral of (e_left - e_right) (1 - s) along the edge a -> b, s from 0 at a to 1 at b; samples about a
-/// pixel apart. One side may be missing.
-double edge_integral(const Target& target, Vec2 a, Vec2 b, const LinearFit* left, const LinearFit* right) {
+/// @param channels of the picture.
+[[gnu::always_inline]] inline double integral_along(const Target& target, Vec2 a, Vec2 b,
+                                                    const LinearFit* left, const LinearFit* right,
+                                                    std::size_t channels) {
   const double length = norm(b - a);
   const int samples = std::max(2, static_cast<int>(std::ceil(length)));
   double sum = 0;
   for (int i = 0; i < samples; ++i) {
     const double s = (i + 0.5) / samples;
     const Vec2 u = a + s * (b - a);
-    const std::array<double, 4> colour = target.colour(u);
-    const double difference = (left ? target.squared_error(*left, u, colour) : 0.0) -
-                              (right ? target.squared_error(*right, u, colour) : 0.0);
+    const std::array<double, 4> colour = target.colour(u, channels);
+    const double difference = (left ? Target::squared_error(*left, u, colour, channels) : 0.0) -
+                              (right ? Target::squared_error(*right, u, colour, channels) : 0.0);
     sum += (1 - s) * difference;
   }
   return sum * length / samples;
+}
+
+/// Integral of (e_left - e_right) (1 - s) along the edge a -> b, s from 0 at a to 1 at b; samples about a
+/// pixel apart. One side may be missing.
+double edge_integral(const Target& target, Vec2 a, Vec2 b, const LinearFit* left, const LinearFit* right) {
+  if (target.channels() == 3) return integral_along(target, a, b, left, right, 3);
+  return integral_along(target, a, b, left, right, static_cast<std::size_t>(target.channels()));
 }
 
 Vec2 ring_gradient(const EditableMesh& mesh, const Target& target, KnotIndex k,

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
+#include <type_traits>
 
 #include "base/multiversion.h"
 #include "knotreel/base/error.h"
@@ -11,8 +13,15 @@ namespace knotreel::knots {
 
 namespace {
 
-// Slots of the prefix sums; after kSquares come c and x c for each channel.
-enum Slot : std::size_t { kW, kX, kXX, kSquares, kColour };
+/// Where the prefix sums of a pixel are among its numbers: of w c for each channel, of x w c, of w |c|^2; and
+/// of w, x w and x^2 w, unless all weights are 1.
+template <std::size_t C, bool Weighted>
+struct Layout {
+  static constexpr std::size_t kColour = 0, kXColour = C, kSquares = 2 * C;
+  static constexpr std::size_t kW = 2 * C + 1, kX = kW + 1, kXX = kX + 1;
+  static constexpr std::size_t kUsed = Weighted ? kXX + 1 : kW;
+  static constexpr std::size_t kStride = kUsed == 7 ? 8 : kUsed;  ///< as many as a cache line holds
+};
 
 /// Draws slopes that few pixels decide towards zero: this many pixels at distance one say that there is none.
 constexpr double kSlopeRidge = 1.0;
@@ -23,78 +32,148 @@ template <std::size_t Count>
 #if defined(__GNUC__)
   constexpr std::size_t kLine = 64 / sizeof(double);
   for (std::size_t i = 0; i < Count; i += kLine) __builtin_prefetch(p + i);
-  __builtin_prefetch(p + Count - 1);
+  if constexpr (Count != kLine) __builtin_prefetch(p + Count - 1);
 #else
   (void)p;
 #endif
 }
 
-/// Sums of one triangle with C channels. Where its rows begin and end is found first: their sums are fetched
-/// from memory at the same time then, not one after the other.
-template <std::size_t C>
+/// Sums of one triangle. Where its rows begin and end is found first: their sums are fetched from memory at
+/// the same time then, not one after the other.
+template <std::size_t C, bool Weighted>
 [[gnu::always_inline]] inline Moments sum_rows(const TriangleRows& rows, const double* prefix,
-                                               std::size_t row_size) {
-  constexpr std::size_t kStride = 4 + 2 * C;
+                                               std::size_t width) {
+  using Slot = Layout<C, Weighted>;
+  constexpr std::size_t kStride = Slot::kStride;
   constexpr int kRows = 32;  // at a time
   struct Ends {
     const double* p;
     const double* q;
+    double begin;
+    double end;
   };
   std::array<Ends, kRows> ends;
   double sum[kStride] = {};
   double y_sum[kStride] = {};
-  double yy = 0;
+  Moments m;
+  double xx12 = 0;  // 12 times that of m, a sum of whole numbers
   for (int first = rows.first(); first < rows.last(); first += kRows) {
     const int count = std::min(kRows, rows.last() - first);
     for (int i = 0; i < count; ++i) {
       int begin = 0;
       int end = 0;
       rows.columns(first + i, begin, end);
-      const double* row = prefix + static_cast<std::size_t>(first + i) * row_size;
+      const double* row = prefix + static_cast<std::size_t>(first + i) * (width + 1) * kStride;
       const Ends at{row + static_cast<std::size_t>(begin) * kStride,
-                    row + static_cast<std::size_t>(end) * kStride};
+                    row + static_cast<std::size_t>(end) * kStride, static_cast<double>(begin),
+                    static_cast<double>(end)};
       prefetch<kStride>(at.p);
       prefetch<kStride>(at.q);
       ends[static_cast<std::size_t>(i)] = at;
     }
     for (int i = 0; i < count; ++i) {
-      const auto [p, q] = ends[static_cast<std::size_t>(i)];
+      const auto [p, q, begin, end] = ends[static_cast<std::size_t>(i)];
       const double centre = first + i + 0.5;
       for (std::size_t k = 0; k < kStride; ++k) {
         const double d = q[k] - p[k];
         sum[k] += d;
         y_sum[k] += centre * d;
       }
-      yy += centre * centre * (q[kW] - p[kW]);
+      double w = end - begin;
+      if constexpr (Weighted) {
+        w = q[Slot::kW] - p[Slot::kW];
+      } else {
+        const double x = 0.5 * (end * end - begin * begin);
+        m.w += w;
+        m.y += centre * w;
+        m.x += x;
+        m.xy += centre * x;
+        xx12 += end * (4 * end * end - 1) - begin * (4 * begin * begin - 1);
+      }
+      m.yy += centre * centre * w;
     }
   }
-  Moments m;
-  m.w = sum[kW];
-  m.x = sum[kX];
-  m.xx = sum[kXX];
-  m.squares = sum[kSquares];
-  m.y = y_sum[kW];
-  m.xy = y_sum[kX];
-  m.yy = yy;
+  if constexpr (Weighted) {
+    m.w = sum[Slot::kW];
+    m.x = sum[Slot::kX];
+    m.xx = sum[Slot::kXX];
+    m.y = y_sum[Slot::kW];
+    m.xy = y_sum[Slot::kX];
+  } else {
+    m.xx = xx12 / 12;
+  }
+  m.squares = sum[Slot::kSquares];
   for (std::size_t c = 0; c < C; ++c) {
-    m.c[c] = sum[kColour + c];
-    m.xc[c] = sum[kColour + C + c];
-    m.yc[c] = y_sum[kColour + c];
+    m.c[c] = sum[Slot::kColour + c];
+    m.xc[c] = sum[Slot::kXColour + c];
+    m.yc[c] = y_sum[Slot::kColour + c];
   }
   return m;
 }
 
+template <std::size_t C>
+[[gnu::always_inline]] inline Moments sum_rows(const TriangleRows& rows, const double* prefix,
+                                               std::size_t width, bool weighted) {
+  return weighted ? sum_rows<C, true>(rows, prefix, width) : sum_rows<C, false>(rows, prefix, width);
+}
+
 KNOTREEL_MULTIVERSION
-Moments sum_triangle(const TriangleRows& rows, const double* prefix, std::size_t row_size, int channels) {
+Moments sum_triangle(const TriangleRows& rows, const double* prefix, std::size_t width, int channels,
+                     bool weighted) {
   switch (channels) {
     case 1:
-      return sum_rows<1>(rows, prefix, row_size);
+      return sum_rows<1>(rows, prefix, width, weighted);
     case 2:
-      return sum_rows<2>(rows, prefix, row_size);
+      return sum_rows<2>(rows, prefix, width, weighted);
     case 3:
-      return sum_rows<3>(rows, prefix, row_size);
+      return sum_rows<3>(rows, prefix, width, weighted);
     default:
-      return sum_rows<4>(rows, prefix, row_size);
+      return sum_rows<4>(rows, prefix, width, weighted);
+  }
+}
+
+/// Prefix sums along a row. @param weights of its pixels; of no meaning if not weighted. @param at room for
+/// one more than there are pixels.
+template <std::size_t C, bool Weighted>
+void add_up(std::span<const float> pixels, const float* weights, double* at) {
+  using Slot = Layout<C, Weighted>;
+  std::fill_n(at, Slot::kStride, 0.0);
+  for (std::size_t x = 0; x < pixels.size() / C; ++x, at += Slot::kStride) {
+    const double w = Weighted ? static_cast<double>(weights[x]) : 1.0;
+    const double centre = static_cast<double>(x) + 0.5;
+    double squares = 0;
+    double* to = at + Slot::kStride;
+    for (std::size_t c = 0; c < C; ++c) {
+      const double v = static_cast<double>(pixels[x * C + c]);
+      squares += v * v;
+      to[Slot::kColour + c] = at[Slot::kColour + c] + w * v;
+      to[Slot::kXColour + c] = at[Slot::kXColour + c] + w * centre * v;
+    }
+    to[Slot::kSquares] = at[Slot::kSquares] + w * squares;
+    if constexpr (Weighted) {
+      to[Slot::kW] = at[Slot::kW] + w;
+      to[Slot::kX] = at[Slot::kX] + w * centre;
+      to[Slot::kXX] = at[Slot::kXX] + w * centre * centre;
+    }
+    std::fill(to + Slot::kUsed, to + Slot::kStride, 0.0);
+  }
+}
+
+/// Calls visit(number of channels, whether weighted), both known to the compiler.
+template <class Visit>
+auto by_kind(int channels, bool weighted, Visit&& visit) {
+  const auto with = [&]<std::size_t C>(std::integral_constant<std::size_t, C> c) {
+    return weighted ? visit(c, std::true_type{}) : visit(c, std::false_type{});
+  };
+  switch (channels) {
+    case 1:
+      return with(std::integral_constant<std::size_t, 1>{});
+    case 2:
+      return with(std::integral_constant<std::size_t, 2>{});
+    case 3:
+      return with(std::integral_constant<std::size_t, 3>{});
+    default:
+      return with(std::integral_constant<std::size_t, 4>{});
   }
 }
 
@@ -123,38 +202,24 @@ Target::Target(image::Image image, std::vector<float> weights)
   if (!weights_.empty() && weights_.size() != image_.pixel_count()) {
     throw Error(ErrorKind::kInvalidArgument, "a picture needs one weight per pixel");
   }
-  const auto channels = static_cast<std::size_t>(image_.channels);
   const auto width = static_cast<std::size_t>(image_.width);
-  stride_ = kColour + 2 * channels;
-  prefix_ = std::make_unique_for_overwrite<double[]>(static_cast<std::size_t>(image_.height) * (width + 1) *
-                                                     stride_);
-  parallel_for(static_cast<std::size_t>(image_.height), [&](std::size_t y) {
-    double* at = prefix_.get() + y * (width + 1) * stride_;
-    std::fill_n(at, stride_, 0.0);
-    const float* pixel = image_.row(static_cast<int>(y)).data();
-    for (std::size_t x = 0; x < width; ++x, at += stride_, pixel += channels) {
-      const double w = weights_.empty() ? 1.0 : static_cast<double>(weights_[y * width + x]);
-      const double centre = static_cast<double>(x) + 0.5;
-      double squares = 0;
-      double* to = at + stride_;
-      for (std::size_t c = 0; c < channels; ++c) {
-        const double v = static_cast<double>(pixel[c]);
-        squares += v * v;
-        to[kColour + c] = at[kColour + c] + w * v;
-        to[kColour + channels + c] = at[kColour + channels + c] + w * centre * v;
-      }
-      to[kW] = at[kW] + w;
-      to[kX] = at[kX] + w * centre;
-      to[kXX] = at[kXX] + w * centre * centre;
-      to[kSquares] = at[kSquares] + w * squares;
-    }
+  const auto height = static_cast<std::size_t>(image_.height);
+  by_kind(image_.channels, !weights_.empty(), [&](auto channels, auto weighted) {
+    const std::size_t row_size = (width + 1) * Layout<channels, weighted>::kStride;
+    constexpr std::size_t kPerLine = sizeof(Line) / sizeof(double);
+    prefix_ = std::make_unique_for_overwrite<Line[]>((height * row_size + kPerLine - 1) / kPerLine);
+    parallel_for(height, [&](std::size_t y) {
+      const float* row_weights = weighted ? weights_.data() + y * width : nullptr;
+      add_up<channels, weighted>(image_.row(static_cast<int>(y)), row_weights,
+                                 prefix_.get()->data() + y * row_size);
+    });
   });
 }
 
 Moments Target::moments(const std::array<Vec2, 3>& triangle) const {
   const TriangleRows rows(triangle, image_.width, image_.height);
-  return sum_triangle(rows, prefix_.get(), (static_cast<std::size_t>(image_.width) + 1) * stride_,
-                      image_.channels);
+  return sum_triangle(rows, prefix_.get()->data(), static_cast<std::size_t>(image_.width), image_.channels,
+                      !weights_.empty());
 }
 
 Moments Moments::operator+(const Moments& m) const {
@@ -196,27 +261,6 @@ LinearFit Target::fit(const Moments& m) const {
 
 double Target::error(const std::array<Vec2, 3>& triangle) const {
   return fit(triangle).error;
-}
-
-std::array<double, 4> Target::colour(Vec2 u) const {
-  const double px = std::clamp(u.x - 0.5, 0.0, static_cast<double>(image_.width - 1));
-  const double py = std::clamp(u.y - 0.5, 0.0, static_cast<double>(image_.height - 1));
-  const int x = std::min(static_cast<int>(px), std::max(0, image_.width - 2));
-  const int y = std::min(static_cast<int>(py), std::max(0, image_.height - 2));
-  const double fx = px - x;
-  const double fy = py - y;
-  const auto channels = static_cast<std::size_t>(image_.channels);
-  const std::size_t right = image_.width > 1 ? channels : 0;
-  const std::size_t below = image_.height > 1 ? image_.row_size() : 0;
-  const float* p = image_.samples.data() + pixel(x, y) * channels;
-  std::array<double, 4> result{};
-  for (std::size_t c = 0; c < channels; ++c) {
-    const double top = (1 - fx) * static_cast<double>(p[c]) + fx * static_cast<double>(p[right + c]);
-    const double low =
-        (1 - fx) * static_cast<double>(p[below + c]) + fx * static_cast<double>(p[below + right + c]);
-    result[c] = (1 - fy) * top + fy * low;
-  }
-  return result;
 }
 
 }  // namespace knotreel::knots

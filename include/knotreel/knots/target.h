@@ -35,7 +35,8 @@ struct LinearFit {
 
 /// A picture over the parametric domain with a weight per pixel, ready for sums over triangles: prefix sums
 /// along its rows make the cost of a sum proportional to the height of the triangle, not to its area.
-/// Immutable and thread safe. Memory: (4 + 2 * channels) doubles per pixel besides the picture.
+/// Immutable and thread safe. Memory: up to 4 + 2 * channels doubles per pixel besides
+/// the picture; 8 for three channels with weights of 1.
 class Target {
  public:
   /// @param weights one per pixel, 0 or more; empty: all 1.
@@ -60,12 +61,19 @@ class Target {
   double error(const std::array<Vec2, 3>& triangle) const;
 
   /// The picture at a point, interpolated between pixels.
-  std::array<double, 4> colour(Vec2 u) const;
+  std::array<double, 4> colour(Vec2 u) const { return colour(u, static_cast<std::size_t>(channels())); }
+  /// The same. @param channels of the picture: quicker where the compiler knows them.
+  std::array<double, 4> colour(Vec2 u, std::size_t channels) const;
 
   /// Squared error of a linear approximation at a point where the picture has this colour.
   double squared_error(const LinearFit& fit, Vec2 u, const std::array<double, 4>& colour) const {
+    return squared_error(fit, u, colour, static_cast<std::size_t>(channels()));
+  }
+  /// The same. @param channels of the picture: quicker where the compiler knows them.
+  static double squared_error(const LinearFit& fit, Vec2 u, const std::array<double, 4>& colour,
+                              std::size_t channels) {
     double sum = 0;
-    for (std::size_t c = 0; c < static_cast<std::size_t>(image_.channels); ++c) {
+    for (std::size_t c = 0; c < channels; ++c) {
       const double d = colour[c] - fit.at(u, c);
       sum += d * d;
     }
@@ -83,8 +91,9 @@ class Target {
 
   image::Image image_;
   std::vector<float> weights_;
-  std::size_t stride_ = 0;
-  std::unique_ptr<double[]> prefix_;  ///< not a vector, which would be zeroed first
+  /// Numbers that are in one line of the cache if there are no more of them per pixel.
+  struct alignas(64) Line : std::array<double, 8> {};
+  std::unique_ptr<Line[]> prefix_;  ///< not a vector, which would be zeroed first
 };
 
 /// Rows of pixels of a triangle: for row y, columns [begin(y), end(y)).
@@ -118,6 +127,26 @@ class TriangleRows {
   Line long_, upper_, lower_;
   bool long_is_left_ = true;
 };
+
+[[gnu::always_inline]] inline std::array<double, 4> Target::colour(Vec2 u, std::size_t channels) const {
+  const double px = std::clamp(u.x - 0.5, 0.0, static_cast<double>(image_.width - 1));
+  const double py = std::clamp(u.y - 0.5, 0.0, static_cast<double>(image_.height - 1));
+  const int x = std::min(static_cast<int>(px), std::max(0, image_.width - 2));
+  const int y = std::min(static_cast<int>(py), std::max(0, image_.height - 2));
+  const double fx = px - x;
+  const double fy = py - y;
+  const std::size_t right = image_.width > 1 ? channels : 0;
+  const std::size_t below = image_.height > 1 ? image_.row_size() : 0;
+  const float* p = image_.samples.data() + pixel(x, y) * channels;
+  std::array<double, 4> result{};
+  for (std::size_t c = 0; c < channels; ++c) {
+    const double top = (1 - fx) * static_cast<double>(p[c]) + fx * static_cast<double>(p[right + c]);
+    const double low =
+        (1 - fx) * static_cast<double>(p[below + c]) + fx * static_cast<double>(p[below + right + c]);
+    result[c] = (1 - fy) * top + fy * low;
+  }
+  return result;
+}
 
 template <class Visit>
 void Target::for_pixels(const std::array<Vec2, 3>& triangle, Visit&& visit) const {
