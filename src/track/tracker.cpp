@@ -58,6 +58,7 @@ constexpr double kLeastShare = 0.25;    // of what features may use, that a grou
 constexpr double kFunctionsOfKnot = 3;  // about: the least by which a group grows
 constexpr int kFramesToBend = 16;
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
+constexpr double kBoundLeeway = 0.003;  // of the bound, that new knots leave: links that change need room too
 
 using mesh::EditableMesh;
 using mesh::KnotIndex;
@@ -289,9 +290,10 @@ class Tracker::Impl {
   /// Moves new knots to where the picture wants them. Their neighbours stay, unless much is new: to disturb
   /// knots that have settled is more flicker and bytes for the same error.
   void optimise_around(EditableMesh& mesh, const std::vector<KnotIndex>& fresh) const {
-    if (fresh.empty() || !options_.optimise_inserted) return;
+    if (fresh.empty() || options_.inserted_steps == 0) return;
     knots::OptimiseOptions local = cold_.optimise;
     local.rounds = 1;
+    local.steps = std::min(local.steps, options_.inserted_steps);
     const double share = static_cast<double>(fresh.size()) / static_cast<double>(mesh.knot_count());
     knots::optimise(mesh, *target_, local,
                     knots::rings_around(mesh, fresh, share > options_.much_new ? 1 : 0));
@@ -478,7 +480,9 @@ class Tracker::Impl {
               const std::vector<KnotIndex>& born, double born_functions) {
     const double functions = static_cast<double>(space_->function_count());
     const double per_knot = functions / static_cast<double>(space_->mesh().knots.size());
-    const double missing = (static_cast<double>(group_functions_) - functions - born_functions) / per_knot;
+    const double wanted = std::min(static_cast<double>(group_functions_),
+                                   (1 - kBoundLeeway) * static_cast<double>(most_functions_));
+    const double missing = (wanted - functions - born_functions) / per_knot;
     const std::size_t removed =
         remove_idle_knots(mesh, *target_, sorted_face_errors(mesh, errors, picture.width, picture.height),
                           urgent ? options_.urgent_swap : options_.swap,
