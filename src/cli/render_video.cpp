@@ -1,7 +1,9 @@
 #include "cli/render_video.h"
 
+#include <algorithm>
 #include <charconv>
 #include <filesystem>
+#include <optional>
 #include <regex>
 
 #include "cli/command.h"
@@ -61,6 +63,21 @@ pipeline::RenderJob make_job(const RenderVideo& arguments, document::Reader& rea
   return job;
 }
 
+/// The video whose sound goes along, if there is one.
+std::optional<video::VideoReader> open_copied(const RenderVideo& arguments) {
+  if (arguments.copied.empty()) return {};
+  video::ReadOptions options;
+  options.threads = 1;
+  options.chapters = arguments.frames.empty();
+  video::VideoReader reader = video::VideoReader::open(arguments.copied, options);
+  const auto streams = reader.streams();
+  const auto is_other = [](const video::StreamEntry& stream) { return stream.kind != "video"; };
+  if (std::none_of(streams.begin(), streams.end(), is_other)) {
+    warn("'" + arguments.copied + "' has neither sound nor subtitles");
+  }
+  return reader;
+}
+
 nlohmann::ordered_json head_json(const RenderVideo& arguments, const pipeline::RenderJob& job) {
   return {{"version", KNOTREEL_VERSION},
           {"input", arguments.input},
@@ -94,6 +111,11 @@ void add_render_video_options(CLI::App& command, RenderVideo& options) {
                   "of what moves on from one to the next, but not across cuts. Without, each\n"
                   "has the time that the document says")
       ->type_name("R");
+  command
+      .add_option("--copy-streams", options.copied,
+                  "Take sound, subtitles and titles from this file, the video that the\n"
+                  "document was made from; of --frames, their part")
+      ->type_name("FILE");
   add_video_output_options(command, options.encoding);
   command
       .add_option("--progress", options.progress,
@@ -118,10 +140,15 @@ bool is_video_output(const std::string& output, const std::string& format) {
 }
 
 void render_video(const RenderVideo& arguments) {
+  if (arguments.copied == "-" && arguments.input == "-") {
+    throw Error(ErrorKind::kInvalidArgument, "the document and --copy-streams cannot both be standard input");
+  }
   const ThreadCap cap(arguments.threads);
   document::Reader reader = open_document(arguments.input);
   if (!reader.complete()) warn("'" + arguments.input + "' is cut short: read up to its last whole frame");
   pipeline::RenderJob job = make_job(arguments, reader);
+  std::optional<video::VideoReader> copied = open_copied(arguments);
+  if (copied) job.copied = &*copied;
   const video::Rational ticks = pipeline::stream_info(reader.info()).time_base;
   ProgressFile progress(arguments.progress,
                         job.rate.known() ? video::Rational{job.rate.den, job.rate.num} : ticks);
@@ -135,6 +162,9 @@ void render_video(const RenderVideo& arguments) {
       stats.add(drawn_json(row));
     };
     summary = pipeline::run_render(job);
+  }
+  if (copied) {
+    for (const std::string& line : copied->warnings()) warn(line);
   }
   progress.end();
   stats.finish({{"frame_count", summary.frames},

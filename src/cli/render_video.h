@@ -23,6 +23,7 @@ struct RenderVideo {
   // The rest has options of its own.
   std::string frames;  ///< "A-B", "A-" or "A"; empty: all
   std::string fps;     ///< empty: times as stored
+  std::string copied;  ///< video whose other streams go along; empty: none
   std::string progress;
   std::string stats;
   VideoOutputOptions encoding;

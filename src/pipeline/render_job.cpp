@@ -5,6 +5,7 @@
 
 #include "knotreel/spline/space.h"
 #include "knotreel/track/between.h"
+#include "pipeline/copied_packets.h"
 #include "pipeline/nodes.h"
 #include "pipeline/schedule.h"
 #include "pipeline/timed.h"
@@ -18,7 +19,8 @@ class RenderStages {
   explicit RenderStages(const RenderJob& job)
       : job_(job),
         schedule_(make_schedule(job)),
-        output_(job.video, schedule_.stream, nullptr, job.on_frame) {}
+        copied_(job, schedule_),
+        output_(job.video, schedule_.stream, job.copied, job.on_frame) {}
 
   MessagePtr read() {
     if (failure_.any() || stopped_ || next_ == schedule_.frames.size()) return nullptr;
@@ -30,6 +32,7 @@ class RenderStages {
     timed(failure_, "read", *message, [&] {
       message->model = read(showing.frame);
       if (showing.share > 0) message->next = read(showing.frame + 1);
+      message->frame.packets = copied_.until_end_of(showing);
     });
     if (failure_.any()) return nullptr;
     message->share = showing.share;
@@ -60,6 +63,7 @@ class RenderStages {
 
   Summary finish() {
     failure_.rethrow();
+    if (!stopped_) output_.write_packets(copied_.rest());
     Summary summary = output_.finish();
     summary.document_bytes = job_.reader->file_bytes();
     summary.stopped = stopped_;
@@ -82,6 +86,7 @@ class RenderStages {
   const RenderJob& job_;
   std::array<Kept, 2> kept_;
   Schedule schedule_;
+  CopiedPackets copied_;
   PictureOutput output_;
   FirstFailure failure_;
   std::size_t next_ = 0;

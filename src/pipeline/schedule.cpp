@@ -68,8 +68,12 @@ std::vector<Showing> resampled(const document::Reader& reader, const std::vector
 Schedule make_schedule(const RenderJob& job) {
   const std::size_t last = checked_last(job);
   Schedule schedule{stream_info(job.reader->info()), as_stored(job, last)};
-  if (job.first > 0) schedule.stream.start = 0;
+  if (job.first > 0) {
+    schedule.stream.start = 0;
+    schedule.origin = job.reader->record(job.first).pts;
+  }
   if (!job.rate.known()) return schedule;
+  schedule.origin = job.reader->record(job.first).pts;
   const double ticks = 1 / (job.rate.value() * schedule.stream.time_base.value());
   schedule.frames = resampled(*job.reader, schedule.frames, ticks);
   schedule.stream.frame_rate = job.rate;

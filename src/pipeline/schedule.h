@@ -18,6 +18,8 @@ struct Showing {
 struct Schedule {
   video::StreamInfo stream;  ///< of what is to be written
   std::vector<Showing> frames;
+  /// Time of the source that the times of the frames count from, in ticks of the document.
+  std::int64_t origin = 0;
 };
 
 /// @throws Error{kInvalidArgument} if the job's range is not in the document.

@@ -107,7 +107,7 @@ void CopiedStreams::make(const Source& source, AVFormatContext& output, Warnings
   }
   av_dict_copy(&output.metadata, input->metadata, 0);
   drop_stale(&output.metadata);
-  copy_chapters(*input, output);
+  if (source.copies_chapters()) copy_chapters(*input, output);
 }
 
 PacketPtr CopiedStreams::prepare(const Packet& packet, std::int64_t start, AVRational unit,

@@ -62,6 +62,10 @@ std::vector<Packet> VideoReader::remaining_packets() {
   return state_->source->take_packets();
 }
 
+std::vector<Packet> VideoReader::packets_until(double seconds) {
+  return state_->source->packets_until(seconds);
+}
+
 const std::vector<std::string>& VideoReader::warnings() const {
   return state_->source->warnings().lines();
 }

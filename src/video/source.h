@@ -15,12 +15,15 @@ class Source {
   virtual ~Source() = default;
   virtual bool next(Frame& frame) = 0;
   virtual std::vector<Packet> take_packets() { return {}; }
+  virtual std::vector<Packet> packets_until(double) { return {}; }
   /// For copying streams; null if there are none.
   virtual AVFormatContext* format() const { return nullptr; }
   /// Number of the video stream in format().
   virtual int video_stream() const { return -1; }
   /// Numbers of the streams in format() whose packets are handed out.
   virtual std::vector<int> copied_streams() const { return {}; }
+  /// Whether chapters are copied, too.
+  virtual bool copies_chapters() const { return false; }
 
   const StreamInfo& info() const { return info_; }
   const Warnings& warnings() const { return warnings_; }

@@ -23,7 +23,7 @@ const AVCodec* decoder_for(const AVStream& stream) {
 }  // namespace
 
 StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
-    : demuxer_(input, options), strict_(options.strict) {
+    : demuxer_(input, options), strict_(options.strict), chapters_(options.chapters) {
   open_decoder(options.threads);
   if (const int others = demuxer_.other_videos(); others > 0) {
     warnings_.add(std::to_string(others) + " more video streams are left out");
@@ -108,7 +108,8 @@ FramePtr StreamSource::receive() {
   }
 }
 
-void StreamSource::feed() {
+/// Null at the end.
+PacketPtr StreamSource::read_packet() {
   std::string why;
   PacketPtr packet = demuxer_.read(why);
   if (!why.empty()) {
@@ -116,16 +117,35 @@ void StreamSource::feed() {
     warnings_.add("the input ends early: " + why);
     cut_short_ = true;
   }
+  return packet;
+}
+
+void StreamSource::feed() {
+  PacketPtr packet = read_packet();
   if (!packet) {
     avcodec_send_packet(decoder_.get(), nullptr);
-    return;
-  }
-  if (packet->stream_index == demuxer_.video_index()) {
+  } else if (packet->stream_index == demuxer_.video_index()) {
     take_video(std::move(packet));
   } else {
-    const AVRational time_base = demuxer_.format()->streams[packet->stream_index]->time_base;
-    packets_.emplace_back(std::make_shared<const CopiedPacket>(CopiedPacket{std::move(packet), time_base}));
+    keep(std::move(packet));
   }
+}
+
+void StreamSource::keep(PacketPtr packet) {
+  const AVRational time_base = demuxer_.format()->streams[packet->stream_index]->time_base;
+  packets_.emplace_back(std::make_shared<const CopiedPacket>(CopiedPacket{std::move(packet), time_base}));
+}
+
+std::vector<Packet> StreamSource::packets_until(double seconds) {
+  demuxer_.video()->discard = AVDISCARD_ALL;
+  while (clock_ <= seconds) {
+    PacketPtr packet = read_packet();
+    if (!packet) break;
+    const AVRational unit = demuxer_.format()->streams[packet->stream_index]->time_base;
+    if (packet->dts != AV_NOPTS_VALUE) clock_ = double(packet->dts) * av_q2d(unit);
+    if (packet->stream_index != demuxer_.video_index()) keep(std::move(packet));
+  }
+  return take_packets();
 }
 
 void StreamSource::take_video(PacketPtr packet) {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <limits>
 #include <optional>
 #include <utility>
 
@@ -17,15 +18,19 @@ class StreamSource : public Source {
 
   bool next(Frame& frame) override;
   std::vector<Packet> take_packets() override { return std::exchange(packets_, {}); }
+  std::vector<Packet> packets_until(double seconds) override;
   AVFormatContext* format() const override { return demuxer_.format(); }
   int video_stream() const override { return demuxer_.video_index(); }
   std::vector<int> copied_streams() const override;
+  bool copies_chapters() const override { return chapters_; }
 
  private:
   void open_decoder(int threads);
   FramePtr decode();
   FramePtr receive();
   void feed();
+  PacketPtr read_packet();
+  void keep(PacketPtr packet);
   void take_video(PacketPtr packet);
   void damage(const std::string& why);
   void stamp(AVFrame& frame);
@@ -35,7 +40,7 @@ class StreamSource : public Source {
   void check_end();
 
   Demuxer demuxer_;
-  bool strict_;
+  bool strict_, chapters_;
   Complaints complaints_{0};  ///< of decoder_
   CodecPtr decoder_;
   std::optional<FrameToImage> to_image_;
@@ -44,6 +49,7 @@ class StreamSource : public Source {
   std::uint64_t decoded_ = 0, handed_out_ = 0;
   std::int64_t last_pts_ = AV_NOPTS_VALUE, last_duration_ = 0;
   bool drained_ = false, cut_short_ = false;
+  double clock_ = -std::numeric_limits<double>::infinity();  ///< of packets_until(), seconds
 };
 
 }  // namespace knotreel::video

@@ -91,6 +91,18 @@ TEST_F(CliVideo, RenderMakesPicturesOfARange) {
   expect_failure(knotreel({"render", document_, "-o", path("x.mkv"), "--frame", "3"}), 2);
 }
 
+TEST_F(CliVideo, RenderCopiesStreams) {
+  vectorize();
+  const auto result = knotreel({"render", document_, "-o", path("o.mkv"), "--copy-streams", clip_});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("neither sound nor subtitles"), std::string::npos) << result.err;
+  EXPECT_EQ(test::frame_times(path("o.mkv")), times_);
+  expect_failure(knotreel({"render", document_, "-o", path("x.png"), "--copy-streams", clip_}), 2);
+  expect_failure(knotreel({"render", document_, "-o", path("x.mkv"), "--copy-streams", path("none.mkv")}), 3);
+  expect_failure(knotreel({"render", "-", "-o", path("x.mkv"), "--copy-streams", "-"}), 2);
+  EXPECT_FALSE(std::filesystem::exists(path("x.mkv")));
+}
+
 TEST_F(CliVideo, RenderCutsPartsOutOfVideos) {
   vectorize();
   const std::vector<std::string> part{"--crop", "8,4,33,25", "--scale", "1.5"};

@@ -1,9 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <cstring>
+#include <limits>
 
 #include "clips.h"
-#include "sound_clip.h"
+#include "support/sound_clip.h"
 #include "support/temp_dir.h"
 
 namespace knotreel::video {
@@ -93,6 +95,34 @@ TEST(Copies, TravelWithTheFrames) {
   std::size_t most = 0;
   for (const Frame& frame : read_clip(dir / "a.mp4").frames) most = std::max(most, frame.packets.size());
   EXPECT_LT(most, 40u);
+}
+
+TEST(Copies, AreReadWithoutThePicturesToo) {
+  const TempDir dir;
+  write_sound_clip(dir / "a.mp4", "aac", true);
+  const WholeClip clip = read_clip(dir / "a.mp4");
+  VideoReader reader = VideoReader::open(dir / "a.mp4");
+  std::vector<Packet> packets = reader.packets_until(0.2);
+  EXPECT_GT(packets.size(), 5u);
+  EXPECT_LT(packets.size(), clip.packets.size() / 2);
+  for (const double until : {0.2, 0.5, std::numeric_limits<double>::infinity()}) {
+    for (const Packet& packet : reader.packets_until(until)) packets.push_back(packet);
+  }
+  ASSERT_EQ(packets.size(), clip.packets.size());
+  for (std::size_t i = 0; i < packets.size(); ++i) {
+    EXPECT_TRUE(same_bytes(packets[i], clip.packets[i])) << i;
+    EXPECT_EQ(packets[i].seconds(), clip.packets[i].seconds()) << i;
+  }
+}
+
+TEST(Copies, MoveInTime) {
+  const TempDir dir;
+  write_sound_clip(dir / "a.mp4", "aac", true);
+  const Packet packet = read_clip(dir / "a.mp4").packets.at(7);
+  const Packet earlier = packet.earlier(3, {1, 25});
+  EXPECT_TRUE(same_bytes(packet, earlier));
+  EXPECT_NEAR(earlier.seconds(), packet.seconds() - 0.12, 1e-9);
+  EXPECT_TRUE(std::isnan(Packet().earlier(3, {1, 25}).seconds()));
 }
 
 TEST(Copies, SoundAloneIsNoVideo) {

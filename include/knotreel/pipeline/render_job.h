@@ -16,6 +16,9 @@ struct RenderJob {
   /// Frames per second, each made from those before and after it where these are of one group; unknown:
   /// frames and times as stored.
   video::Rational rate;
+  /// The video that the document was made from: its sound, subtitles and titles go along, in time with the
+  /// frames. Outlives the run; or null.
+  video::VideoReader* copied = nullptr;
   VideoOutput video;
   int frames_in_flight = 0;  ///< as in Job
   Stop stop;

@@ -1,9 +1,12 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <utility>
+
+#include "knotreel/video/stream_info.h"
 
 namespace knotreel::video {
 
@@ -21,6 +24,8 @@ class Packet {
   std::span<const std::byte> bytes() const;
   /// When it is to be presented, in seconds; not a number if the source does not tell.
   double seconds() const;
+  /// The same bytes, earlier by so many ticks.
+  Packet earlier(std::int64_t ticks, Rational time_base) const;
 
   const void* impl() const { return impl_.get(); }
 

@@ -24,6 +24,7 @@ struct ReadOptions {
   int threads = 0;           ///< for decoding; 0: as many as there are cores
   bool strict = false;       ///< damage is an error
   bool copy_streams = true;  ///< hand out the packets of sound and subtitles
+  bool chapters = true;      ///< of the file go where its streams are copied to
   std::string format;        ///< libav's name of the input format; empty: found by content
   std::map<std::string, std::string> demuxer_options;  ///< such as video_size, framerate, pixel_format
   Rational image_rate{25, 1};                          ///< of pictures
@@ -58,6 +59,13 @@ class VideoReader {
 
   /// Packets of copied streams that were read after the last frame. Call it when next() has said false.
   std::vector<Packet> remaining_packets();
+
+  /// Packets of copied streams alone, for those who have the pictures from elsewhere: what the file has up to
+  /// the first packet of a later time, that one included, and was not handed out before. Frames that have not
+  /// been asked for by then are lost.
+  /// @param seconds on the clock of the file; infinite: up to its end.
+  /// @throws as next().
+  std::vector<Packet> packets_until(double seconds);
 
   /// What was wrong without being an error, one line each: damage, changes of size, times made up.
   const std::vector<std::string>& warnings() const;

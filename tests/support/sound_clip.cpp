@@ -1,4 +1,4 @@
-#include "sound_clip.h"
+#include "support/sound_clip.h"
 
 #include <cmath>
 #include <cstring>
