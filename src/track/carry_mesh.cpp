@@ -15,7 +15,6 @@ using mesh::KnotMesh;
 
 namespace {
 
-constexpr int kMendingRounds = 8;
 constexpr int kSlowings = 4;        // of a knot, before it rests
 constexpr double kStuck = 0.5;      // from where the end of a segment should be, pixels
 constexpr double kThinnest = 0.05;  // height of faces between features, which no removal can mend; pixels
@@ -75,13 +74,7 @@ class Carrier {
 
   KnotMesh run() {
     remove_leaving();
-    for (int round = 0; round < kMendingRounds; ++round) {
-      std::vector<FaceIndex> bad = bad_faces();
-      if (bad.empty()) break;
-      for (const FaceIndex f : bad) {
-        if (is_bad(f) && !flip_away(f)) remove_from(f);
-      }
-    }
+    mend();
     hold_rest();
     return moved();
   }
@@ -133,6 +126,29 @@ class Carrier {
     }
   }
 
+  /// Mends faces until none is bad, or none can be mended. To go on to the end matters: next to a knot that
+  /// has to stay, all others have to, as far as the picture moves. It does end, since a flip leaves two sound
+  /// faces, and anything else takes a knot away.
+  void mend() {
+    std::vector<FaceIndex> bad = bad_faces();
+    for (bool any = true; any && !bad.empty();) {
+      any = false;
+      std::vector<FaceIndex> next;
+      for (const FaceIndex f : bad) {
+        if (!is_bad(f)) continue;
+        if (flip_away(f) || remove_from(f, next)) {
+          any = true;
+        } else {
+          next.push_back(f);
+        }
+      }
+      std::sort(next.begin(), next.end());
+      next.erase(std::unique(next.begin(), next.end()), next.end());
+      std::erase_if(next, [&](FaceIndex f) { return !is_bad(f); });
+      bad = std::move(next);
+    }
+  }
+
   /// Flips an edge of a face if both faces are sound after it, now and after the move.
   bool flip_away(FaceIndex f) {
     for (int side = 0; side < 3; ++side) {
@@ -153,7 +169,8 @@ class Carrier {
   }
 
   /// Takes away the free knot of a face that moves least like its neighbours.
-  void remove_from(FaceIndex f) {
+  /// @param touched gets the faces that take its place, and maybe others.
+  bool remove_from(FaceIndex f, std::vector<FaceIndex>& touched) {
     std::optional<KnotIndex> worst;
     double most = -1;
     for (const KnotIndex k : mesh_.face(f)) {
@@ -162,7 +179,22 @@ class Carrier {
       if (d > most) worst = k;
       most = std::max(most, d);
     }
-    if (worst && mesh_.remove(*worst)) ++report_.removed;
+    if (!worst) return false;
+    std::vector<FaceIndex> ring;
+    mesh_.faces_around(*worst, ring);
+    std::vector<KnotIndex> around;
+    for (const FaceIndex r : ring) {
+      for (const KnotIndex k : mesh_.face(r)) {
+        if (k != *worst) around.push_back(k);
+      }
+    }
+    if (!mesh_.remove(*worst)) return false;
+    ++report_.removed;
+    for (const KnotIndex k : around) {
+      mesh_.faces_around(k, ring);
+      touched.insert(touched.end(), ring.begin(), ring.end());
+    }
+    return true;
   }
 
   double deviation(KnotIndex k) const {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <random>
 
 #include "support/mesh_cases.h"
 
@@ -78,6 +79,40 @@ TEST(CarryMesh, KnotsGoWhereTheyShould) {
     // Slowed ends take the knots between them along.
     if (report.held == 0 && report.segments_dropped == 0) {
       EXPECT_EQ(elsewhere, 0U) << c.name;
+    }
+  }
+}
+
+/// Many free knots, 8 px apart or so.
+KnotMesh fine_mesh(std::mt19937& random) {
+  std::uniform_real_distribution<double> apart(-3, 3);
+  testing::MeshBuilder builder(400, 300);
+  for (double y = 10; y < 295; y += 8) {
+    for (double x = 10; x < 395; x += 8) builder.free(x + apart(random), y + apart(random));
+  }
+  return builder.triangulated();
+}
+
+TEST(CarryMesh, KnotsThatGoAstrayDoNotHoldTheOthers) {
+  for (const unsigned seed : {1U, 2U, 3U, 4U, 5U}) {
+    std::mt19937 random(seed);
+    const KnotMesh mesh = fine_mesh(random);
+    std::uniform_real_distribution<double> share(0, 1), astray(-60, 60);
+    std::vector<Vec2> motion;
+    for (const mesh::Knot& k : mesh.knots) {
+      const bool in_disc = norm(k.position - Vec2{200, 150}) < 100;
+      motion.push_back(in_disc && share(random) < 0.7 ? Vec2{120 + astray(random), astray(random)} : Vec2{7, 3});
+    }
+    const std::vector<Vec2> targets = knot_targets(mesh, motion);
+    const auto wanted = by_id(mesh, targets);
+    CarryReport report;
+    const KnotMesh carried = carry_mesh(mesh, targets, {}, {}, &report);
+    const auto defect = mesh::find_defect(carried);
+    EXPECT_FALSE(defect) << *defect;
+    EXPECT_EQ(report.held, 0U) << seed;
+    EXPECT_LT(report.removed, mesh.knots.size() / 2) << seed;
+    for (const mesh::Knot& k : carried.knots) {
+      EXPECT_EQ(k.position, wanted.at(static_cast<std::uint32_t>(k.id))) << seed;
     }
   }
 }
