@@ -124,6 +124,18 @@ void VideoStats::finish(const Json& tail) {
   file_->commit();
 }
 
+Json changes_json(const track::MeshChanges& changes) {
+  return {{"moved", changes.carry.moved},
+          {"removed", changes.carry.removed},
+          {"held", changes.carry.held},
+          {"flips", changes.carry.flips},
+          {"segments_dropped", changes.carry.segments_dropped},
+          {"swapped", changes.swapped},
+          {"inserted", changes.inserted},
+          {"features_born", changes.features_born},
+          {"repairs", changes.repairs}};
+}
+
 Json row_json(const pipeline::FrameRow& row) {
   return {{"frame", row.index},
           {"pts", row.pts},
@@ -135,6 +147,7 @@ Json row_json(const pipeline::FrameRow& row) {
           {"psnr", finite(row.psnr)},
           {"ssim", finite(row.ssim)},
           {"survival", row.survival},
+          {"changes", changes_json(row.changes)},
           {"bytes", row.bytes},
           {"modelled", row.modelled_seconds},
           {"finished", row.finished_seconds},

@@ -100,6 +100,7 @@ void Stages::model(Message& message) {
     message.row.knots = report.knots;
     message.row.control_points = report.control_points;
     message.row.survival = report.survival;
+    message.row.changes = std::move(report.changes);
     message.row.model_milliseconds = std::move(report.milliseconds);
   });
 }

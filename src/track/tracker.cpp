@@ -133,8 +133,8 @@ class Tracker::Impl {
         report.start = Start::kDrift;
         groups_.restart();
       } else {
-        const bool needs_mending = watch_.needs_mending(report.psnr, report.repairs > 0);
-        watch_.end_frame(report.psnr, report.repairs > 0);
+        const bool needs_mending = watch_.needs_mending(report.psnr, report.changes.repairs > 0);
+        watch_.end_frame(report.psnr, report.changes.repairs > 0);
         last_mec_ = report.mec;
         end_frame(picture, needs_mending);
       }
@@ -251,7 +251,7 @@ class Tracker::Impl {
       take_over(next_mesh_, LinkMemory(*space_));
       fit(picture, motion);
       measure();
-      ++report_->repairs;
+      ++report_->changes.repairs;
     }
     report_->survival = share_alive(before, space_->mesh());
   }
@@ -264,9 +264,9 @@ class Tracker::Impl {
         snap_to_edges(*basis_, displacement_, next_mesh_, moves, seen_.picture, *motion.before, *motion.now);
     for (std::size_t k = 0; k < moves.size(); ++k) moves[k] = moves[k] + snapped.moves[k];
     const std::vector<Vec2> targets = knot_targets(next_mesh_, moves);
-    KnotMesh carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->carry);
-    if (!give_up_stuck(report_->carry, snapped.lost)) return carried;
-    return carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->carry);
+    KnotMesh carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->changes.carry);
+    if (!give_up_stuck(report_->changes.carry, snapped.lost)) return carried;
+    return carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->changes.carry);
   }
 
   /// A carried mesh with knots for those that were lost on the way, where the picture asks for them; and for
@@ -277,12 +277,12 @@ class Tracker::Impl {
     std::size_t count = next_mesh_.knots.size() - carried.knots.size();
     if (foresight.loss() > options_.swap_above) {
       const std::size_t idle = remove_idle_knots(mesh, *target_, foresight.growths(), options_.urgent_swap);
-      report_->swapped += idle;
+      report_->changes.swapped += idle;
       count += idle;
     }
     const std::vector<KnotIndex> fresh = foresight.insert(mesh, count, options_.carry.min_distance);
     next_id_ = mesh.next_id();
-    report_->inserted += fresh.size();
+    report_->changes.inserted += fresh.size();
     optimise_around(mesh, fresh);
     return mesh.to_mesh();
   }
@@ -460,7 +460,7 @@ class Tracker::Impl {
         missing_features(*basis_, displacement_, seen_, picture, errors, cold_.detect, room, options_.birth);
     for (const std::vector<KnotIndex>& knots : mesh::insert_polylines(mesh, lines)) {
       born.insert(born.end(), knots.begin(), knots.end());
-      report_->features_born += knots.empty() ? 0 : 1;
+      report_->changes.features_born += knots.empty() ? 0 : 1;
     }
     has_new_features_ = !born.empty();
     return born;
@@ -487,13 +487,13 @@ class Tracker::Impl {
         remove_idle_knots(mesh, *target_, sorted_face_errors(mesh, errors, picture.width, picture.height),
                           urgent ? options_.urgent_swap : options_.swap,
                           born.empty() ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
-    report_->swapped += removed;
+    report_->changes.swapped += removed;
     knots::RefineOptions refine;
     refine.max_knots = static_cast<std::size_t>(std::max(0.0, missing + static_cast<double>(removed)));
     refine.min_distance = options_.carry.min_distance;
     std::vector<KnotIndex> fresh =
         knots::refine_knots(mesh, errors, seen_.placed->places(), picture.width, picture.height, refine);
-    report_->inserted += fresh.size();
+    report_->changes.inserted += fresh.size();
     fresh.insert(fresh.end(), born.begin(), born.end());
     next_id_ = mesh.next_id();
     optimise_around(mesh, fresh);

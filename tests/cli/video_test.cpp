@@ -197,6 +197,8 @@ TEST_F(CliVideo, StatsAndProgressTellOfEveryFrame) {
     EXPECT_GT(row["psnr"].get<double>(), 20);
     EXPECT_GT(row["meg"].get<double>(), 0);
     EXPECT_LT(row["meg"].get<double>(), 1);
+    EXPECT_EQ(row["changes"]["moved"].get<int>() > 0, i > 0);  // the disc moves
+    EXPECT_EQ(row["changes"]["held"], 0);
     for (const char* stage : {"decode", "analyse", "model", "documents", "rasterize", "encode"}) {
       EXPECT_TRUE(row["milliseconds"].contains(stage)) << stage;
     }

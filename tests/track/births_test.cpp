@@ -91,7 +91,7 @@ TEST(Births, AFeatureThatComesIntoAGroupIsSharp) {
     ASSERT_EQ(report.start, i > 0 ? Start::kWarm : Start::kFirst) << i;
     ASSERT_EQ(mesh::find_defect(model.space->mesh()), std::nullopt) << i;
     EXPECT_TRUE(i > 0 || model.space->mesh().segments.empty());
-    born += report.features_born;
+    born += report.changes.features_born;
     before = picture;
   }
   EXPECT_GE(born, 1U);
@@ -109,13 +109,13 @@ TEST(Births, AreForgottenWhenAGroupStarts) {
   Tracker fresh(options, track);
   Tracker used(options, track);
   FrameReport report;
-  for (int i = 0; i < 16 && report.features_born == 0; ++i) {
+  for (int i = 0; i < 16 && report.changes.features_born == 0; ++i) {
     const image::Image picture = fading_in(static_cast<float>(i) / 15);
     const image::Image before = fading_in(static_cast<float>(std::max(0, i - 1)) / 15);
     const Motion motion = motion_between(before, picture);
     used.next(picture, i > 0 ? &motion : nullptr, &report);
   }
-  ASSERT_GT(report.features_born, 0U);
+  ASSERT_GT(report.changes.features_born, 0U);
   const image::Image first = edge_at(40);
   image::Image second = first;
   second.samples[0] += 1;

@@ -101,7 +101,8 @@ TEST(CarryMesh, KnotsThatGoAstrayDoNotHoldTheOthers) {
     std::vector<Vec2> motion;
     for (const mesh::Knot& k : mesh.knots) {
       const bool in_disc = norm(k.position - Vec2{200, 150}) < 100;
-      motion.push_back(in_disc && share(random) < 0.7 ? Vec2{120 + astray(random), astray(random)} : Vec2{7, 3});
+      motion.push_back(in_disc && share(random) < 0.7 ? Vec2{120 + astray(random), astray(random)}
+                                                      : Vec2{7, 3});
     }
     const std::vector<Vec2> targets = knot_targets(mesh, motion);
     const auto wanted = by_id(mesh, targets);

@@ -375,7 +375,7 @@ bool has_moved_knots(const Tracked& run, std::size_t frame) {
 TEST(Tracker, BetweenReworksKnotsOnlyFollowTheMotion) {
   const Tracked run = track(noise_at_rest(), {.rework_interval = 3, .mend_below = 100}, 0);
   for (std::size_t i = 1; i < run.models.size(); ++i) {
-    EXPECT_EQ(run.reports[i].repairs, 0);
+    EXPECT_EQ(run.reports[i].changes.repairs, 0);
     // The cold frame is reworked, and so is every third after it: their mesh is that of the frame after.
     EXPECT_EQ(has_moved_knots(run, i), i % 3 == 1) << i;
   }
@@ -399,7 +399,7 @@ TEST(Tracker, WhatFallsAllTheTimeIsRepairedLessOften) {
     options.repair_below = 0.01;
     options.repair_patience = patience;
     int count = 0;
-    for (const FrameReport& report : track(fade_in(), options, 1).reports) count += report.repairs;
+    for (const FrameReport& report : track(fade_in(), options, 1).reports) count += report.changes.repairs;
     return count;
   };
   EXPECT_EQ(repairs(1e9, 100), 1);
@@ -427,7 +427,7 @@ TEST(Tracker, NeighboursOfNewKnotsMoveOnlyWhereMuchIsNew) {
   const std::vector<image::Image> pictures = moving(5);
   const Tracked never = track(pictures, {.much_new = 1}, 0);
   const Tracked always = track(pictures, {.much_new = 0}, 0);
-  EXPECT_TRUE(std::ranges::any_of(always.reports, [](const auto& r) { return r.inserted > 0; }));
+  EXPECT_TRUE(std::ranges::any_of(always.reports, [](const auto& r) { return r.changes.inserted > 0; }));
   EXPECT_NE(always.models.back().colour, never.models.back().colour);
   EXPECT_EQ(track(pictures, {.much_new = 2}, 0).models.back().colour, never.models.back().colour);
 }

@@ -83,6 +83,15 @@ enum class Start : std::uint8_t {
 
 const char* to_string(Start start);
 
+/// What was done to the mesh of a warm frame, and, once it was fitted, to that for the next.
+struct MeshChanges {
+  CarryReport carry;
+  std::size_t swapped = 0;        ///< knots taken away where they were idle
+  std::size_t inserted = 0;       ///< knots for those that were lost and swapped
+  std::size_t features_born = 0;  ///< feature polylines that were added
+  int repairs = 0;                ///< further fits, because the frame was worse than the one before
+};
+
 struct FrameReport {
   Start start = Start::kFirst;
   std::size_t knots = 0;
@@ -90,11 +99,7 @@ struct FrameReport {
   double mec = 0;       ///< of the fit, levels, as in vectorize::RoundReport
   double psnr = 0;      ///< of the fit, dB
   double survival = 0;  ///< share of the knots of the frame before that are in this one, 0 to 1
-  CarryReport carry;
-  std::size_t swapped = 0;        ///< knots taken away where they were idle
-  std::size_t features_born = 0;  ///< feature polylines that were added for the frame after
-  int repairs = 0;                ///< further fits, because the frame was worse than the one before
-  std::size_t inserted = 0;       ///< for those that were lost and swapped
+  MeshChanges changes;
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };
 
