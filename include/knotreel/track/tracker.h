@@ -69,7 +69,7 @@ struct TrackOptions {
   double colour_step = document::EncodeOptions{}.colour_step;
   /// ... and of so many times that in other frames, more than 0.
   double delta_coarseness = document::EncodeOptions{}.delta_coarseness;
-  SwapOptions urgent_swap{.ratio = 4, .share = 0.1};
+  SwapOptions urgent_swap{.ratio = 4, .share = 0.08};
 };
 
 /// Why a frame is as it is.
