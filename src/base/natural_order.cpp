@@ -9,15 +9,14 @@ bool is_digit(char c) {
   return std::isdigit(static_cast<unsigned char>(c)) != 0;
 }
 
-/// A run of digits without leading zeros, and where it ends.
+}  // namespace
+
 std::string digits_at(const std::string& text, std::size_t& at) {
   while (at < text.size() && text[at] == '0') ++at;
   const std::size_t start = at;
   while (at < text.size() && is_digit(text[at])) ++at;
   return text.substr(start, at - start);
 }
-
-}  // namespace
 
 bool natural_less(const std::string& a, const std::string& b) {
   std::size_t i = 0, j = 0;

@@ -117,10 +117,7 @@ void add_render_video_options(CLI::App& command, RenderVideo& options) {
                   "document was made from; of --frames, their part")
       ->type_name("FILE");
   add_video_output_options(command, options.encoding);
-  command
-      .add_option("--progress", options.progress,
-                  "Write lines key=value after every frame; '-': standard output")
-      ->type_name("FILE");
+  add_progress_option(command, options.progress);
   command
       .add_option("--stats", options.stats,
                   "Write counts, bytes and time of every frame as JSON; '-': standard output")

@@ -54,19 +54,13 @@ void add_outputs(CLI::App& command, Arguments& arguments) {
       .add_option("--side-by-side", run.side_by_side,
                   "A second video to look at: the input, the result enlarged, the knot mesh")
       ->type_name("FILE");
-  command
-      .add_option("--progress", run.progress, "Write lines key=value after every frame; '-': standard output")
-      ->type_name("FILE");
+  add_progress_option(command, run.progress);
   command
       .add_option("--stats", run.stats,
                   "Write options, and counts, quality and time of every frame, as JSON;\n"
                   "'-': standard output")
       ->type_name("FILE");
-  command
-      .add_option("--trace", run.trace,
-                  "Write when each thread worked on which stage of which frame, for\n"
-                  "chrome://tracing or Perfetto")
-      ->type_name("FILE");
+  add_trace_option(command, run.trace);
   command
       .add_option("--debug-dir", run.debug_dir,
                   "Write PNG pictures of how frames were made, into a folder for each")

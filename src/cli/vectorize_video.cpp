@@ -11,14 +11,8 @@ void add_vectorize_video_options(CLI::App& command, VideoRun& run) {
                   "Write a document per frame, frame_000001.tcb and so on, into this\n"
                   "folder, made if missing; then --output may be left out")
       ->type_name("DIR");
-  command
-      .add_option("--progress", run.progress, "Write lines key=value after every frame; '-': standard output")
-      ->type_name("FILE");
-  command
-      .add_option("--trace", run.trace,
-                  "Write when each thread worked on which stage of which frame, for\n"
-                  "chrome://tracing or Perfetto")
-      ->type_name("FILE");
+  add_progress_option(command, run.progress);
+  add_trace_option(command, run.trace);
   add_tracking_options(command, run.tracking);
   add_video_input_options(command, run.reading);
   command.option_defaults()->group("Options");

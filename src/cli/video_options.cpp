@@ -52,6 +52,19 @@ void add_video_output_options(CLI::App& command, VideoOutputOptions& options) {
       ->type_name("NAME");
 }
 
+void add_progress_option(CLI::App& command, std::string& file) {
+  command.add_option("--progress", file, "Write lines key=value after every frame; '-': standard output")
+      ->type_name("FILE");
+}
+
+void add_trace_option(CLI::App& command, std::string& file) {
+  command
+      .add_option("--trace", file,
+                  "Write when each thread worked on which stage of which frame, for\n"
+                  "chrome://tracing or Perfetto")
+      ->type_name("FILE");
+}
+
 void add_tracking_options(CLI::App& command, track::TrackOptions& options) {
   command.add_flag("!--no-warm-start", options.warm_start,
                    "Make every frame from its picture alone, not from the frame before");

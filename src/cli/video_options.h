@@ -30,6 +30,8 @@ struct VideoOutputOptions {
 /// Adds them to a command; `options` must live until it has been parsed.
 void add_video_input_options(CLI::App& command, VideoInputOptions& options);
 void add_video_output_options(CLI::App& command, VideoOutputOptions& options);
+void add_progress_option(CLI::App& command, std::string& file);
+void add_trace_option(CLI::App& command, std::string& file);
 void add_tracking_options(CLI::App& command, track::TrackOptions& options);
 
 /// @throws Error{kInvalidArgument} for a rate that is none, or an option without "=".

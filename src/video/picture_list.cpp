@@ -15,18 +15,6 @@ namespace fs = std::filesystem;
 
 namespace {
 
-bool is_digit(char c) {
-  return std::isdigit(static_cast<unsigned char>(c)) != 0;
-}
-
-/// A run of digits without leading zeros, and where it ends.
-std::string digits_at(const std::string& text, std::size_t& at) {
-  while (at < text.size() && text[at] == '0') ++at;
-  const std::size_t start = at;
-  while (at < text.size() && is_digit(text[at])) ++at;
-  return text.substr(start, at - start);
-}
-
 bool is_picture_name(const std::string& name) {
   static const char* const kExtensions[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp",
                                             ".pbm", ".pgm", ".ppm",  ".pnm", ".pam",  ".pfm",  ".tga",
@@ -58,7 +46,7 @@ std::optional<std::uint64_t> number_in(const NumberPattern& pattern, const std::
   const std::size_t around = pattern.before.size() + pattern.after.size();
   if (name.size() <= around || !name.starts_with(pattern.before) || !name.ends_with(pattern.after)) return {};
   const std::string digits = name.substr(pattern.before.size(), name.size() - around);
-  if (digits.size() > 18 || !std::all_of(digits.begin(), digits.end(), is_digit)) return {};
+  if (digits.size() > 18 || digits.find_first_not_of("0123456789") != std::string::npos) return {};
   const std::uint64_t number = std::stoull(digits);
   // As printf would write it: so that %d does not take frame_0001 and frame_1 at once.
   if (pattern.name(number) != name) return {};
