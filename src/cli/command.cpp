@@ -27,6 +27,10 @@ void warn(const std::string& message) {
   [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, line.data(), line.size());
 }
 
+void warn_of(const std::string& path, const std::vector<std::string>& messages) {
+  for (const std::string& message : messages) warn("'" + path + "': " + message);
+}
+
 void write_text(const std::string& path, const std::string& text) {
   OutputFile file(path);
   file.write(text);

@@ -3,6 +3,7 @@
 #include <CLI/CLI.hpp>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 /// The subcommands. Each function adds one to the program: its options, its help, and a callback that does
 /// the work and throws Error. Nothing here prints errors; main() does.
@@ -29,6 +30,9 @@ void write_text(const std::string& path, const std::string& text);
 
 /// One line on standard error, "knotreel: warning: ...", for what is done but may surprise.
 void warn(const std::string& message);
+
+/// The same for each of these, with the name of the file that they are about.
+void warn_of(const std::string& path, const std::vector<std::string>& messages);
 
 /// "knotreel 0.1.0 (OpenCV ..., ...)".
 std::string version_text();

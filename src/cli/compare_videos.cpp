@@ -129,9 +129,8 @@ void compare_videos(const CompareVideos& arguments) {
   Comparison comparison;
   const auto size = compare_all(*reference, *result, comparison);
   if (comparison.frames() == 0) throw Error(ErrorKind::kInput, "there are no frames to compare");
-  for (const FrameSource* source : {reference.get(), result.get()}) {
-    for (const std::string& line : source->warnings()) warn(line);
-  }
+  warn_of(arguments.reference, reference->warnings());
+  warn_of(arguments.result, result->warnings());
   Json json = figures_json(comparison, size);
   if (!arguments.stats.empty()) {
     json["rows"] = comparison.rows_json();

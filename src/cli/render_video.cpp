@@ -125,10 +125,31 @@ void add_render_video_options(CLI::App& command, RenderVideo& options) {
   command.option_defaults()->group("Options");
 }
 
-bool is_video_output(const std::string& output, const std::string& format) {
+namespace {
+
+/// One picture per frame.
+bool is_numbered(const std::string& output) {
   static const std::regex pattern("%0?[0-9]*d");
+  return std::regex_search(std::filesystem::path(output).filename().string(), pattern);
+}
+
+void check_copied(const RenderVideo& arguments) {
+  if (arguments.copied.empty()) return;
+  if (arguments.copied == "-" && arguments.input == "-") {
+    throw Error(ErrorKind::kInvalidArgument, "the document and --copy-streams cannot both be standard input");
+  }
+  const std::string& format = arguments.format;
+  if (format == "null" || format == "hash" || (format.empty() && is_numbered(arguments.output))) {
+    throw Error(ErrorKind::kInvalidArgument,
+                "--copy-streams is for video files: pictures, null and hash hold no sound");
+  }
+}
+
+}  // namespace
+
+bool is_video_output(const std::string& output, const std::string& format) {
+  if (is_numbered(output)) return true;
   const std::string name = std::filesystem::path(output).filename().string();
-  if (std::regex_search(name, pattern)) return true;
   const std::string extension = std::filesystem::path(name).extension().string();
   const bool picture_name = !extension.empty() && image::format_of_extension(extension.substr(1));
   if (format == "null" || format == "hash") return true;
@@ -137,9 +158,7 @@ bool is_video_output(const std::string& output, const std::string& format) {
 }
 
 void render_video(const RenderVideo& arguments) {
-  if (arguments.copied == "-" && arguments.input == "-") {
-    throw Error(ErrorKind::kInvalidArgument, "the document and --copy-streams cannot both be standard input");
-  }
+  check_copied(arguments);
   const ThreadCap cap(arguments.threads);
   document::Reader reader = open_document(arguments.input);
   if (!reader.complete()) warn("'" + arguments.input + "' is cut short: read up to its last whole frame");
@@ -160,9 +179,7 @@ void render_video(const RenderVideo& arguments) {
     };
     summary = pipeline::run_render(job);
   }
-  if (copied) {
-    for (const std::string& line : copied->warnings()) warn(line);
-  }
+  if (copied) warn_of(arguments.copied, copied->warnings());
   progress.end();
   stats.finish({{"frame_count", summary.frames},
                 {"seconds", summary.seconds},

@@ -182,19 +182,19 @@ class Carrier {
     if (!worst) return false;
     std::vector<FaceIndex> ring;
     mesh_.faces_around(*worst, ring);
-    std::vector<KnotIndex> around;
+    std::vector<KnotIndex> around;  // each once: the next corner of each face
     for (const FaceIndex r : ring) {
-      for (const KnotIndex k : mesh_.face(r)) {
-        if (k != *worst) around.push_back(k);
-      }
+      const mesh::Face& v = mesh_.face(r);
+      const auto at = static_cast<std::size_t>(std::find(v.begin(), v.end(), *worst) - v.begin());
+      around.push_back(v[(at + 1) % 3]);
     }
-    if (!mesh_.remove(*worst)) return false;
-    ++report_.removed;
+    const bool removed = mesh_.remove(*worst);  // which may have flipped edges even where it fails
+    report_.removed += removed ? 1 : 0;
     for (const KnotIndex k : around) {
       mesh_.faces_around(k, ring);
       touched.insert(touched.end(), ring.begin(), ring.end());
     }
-    return true;
+    return removed;
   }
 
   double deviation(KnotIndex k) const {

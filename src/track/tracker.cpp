@@ -131,6 +131,8 @@ class Tracker::Impl {
       cold = look ? better_cold_frame(picture) : nullptr;
       if (cold) {
         report.start = Start::kDrift;
+        report.survival = 0;  // what was done before was in vain
+        report.changes = {};
         groups_.restart();
       } else {
         const bool needs_mending = watch_.needs_mending(report.psnr, report.changes.repairs > 0);

@@ -116,12 +116,8 @@ PacketPtr CopiedStreams::prepare(const Packet& packet, std::int64_t start, AVRat
   if (copied == nullptr) return {};
   const auto found = targets_.find(copied->packet->stream_index);
   if (found == targets_.end()) return {};
-  PacketPtr result = new_packet();
-  if (av_packet_ref(result.get(), copied->packet.get()) < 0) throw std::bad_alloc();
+  PacketPtr result = moved_packet(*copied, start, unit);
   Target& target = found->second;
-  const std::int64_t away = av_rescale_q(start, unit, copied->time_base);
-  if (result->pts != AV_NOPTS_VALUE) result->pts -= away;
-  if (result->dts != AV_NOPTS_VALUE) result->dts -= away;
   if (result->dts == AV_NOPTS_VALUE) result->dts = result->pts;
   av_packet_rescale_ts(result.get(), copied->time_base, output.streams[target.stream]->time_base);
   // Muxers refuse times that do not go up; damaged sources have them.

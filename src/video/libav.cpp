@@ -67,15 +67,20 @@ double Packet::seconds() const {
   return double(copied->packet->pts) * av_q2d(copied->time_base);
 }
 
+PacketPtr moved_packet(const CopiedPacket& packet, std::int64_t earlier, AVRational unit) {
+  PacketPtr moved = new_packet();
+  if (av_packet_ref(moved.get(), packet.packet.get()) < 0) throw std::bad_alloc();
+  const std::int64_t away = av_rescale_q(earlier, unit, packet.time_base);
+  if (moved->pts != AV_NOPTS_VALUE) moved->pts -= away;
+  if (moved->dts != AV_NOPTS_VALUE) moved->dts -= away;
+  return moved;
+}
+
 Packet Packet::earlier(std::int64_t ticks, Rational time_base) const {
   const auto* copied = static_cast<const CopiedPacket*>(impl());
   if (copied == nullptr || ticks == 0) return *this;
-  PacketPtr moved = new_packet();
-  if (av_packet_ref(moved.get(), copied->packet.get()) < 0) throw std::bad_alloc();
-  const std::int64_t away = av_rescale_q(ticks, to_av(time_base), copied->time_base);
-  if (moved->pts != AV_NOPTS_VALUE) moved->pts -= away;
-  if (moved->dts != AV_NOPTS_VALUE) moved->dts -= away;
-  return Packet(std::make_shared<const CopiedPacket>(CopiedPacket{std::move(moved), copied->time_base}));
+  return Packet(std::make_shared<const CopiedPacket>(
+      CopiedPacket{moved_packet(*copied, ticks, to_av(time_base)), copied->time_base}));
 }
 
 }  // namespace knotreel::video

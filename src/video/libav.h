@@ -81,4 +81,7 @@ struct CopiedPacket {
   AVRational time_base;
 };
 
+/// The same bytes, earlier by so many units; times stay in the time base of the packet.
+PacketPtr moved_packet(const CopiedPacket& packet, std::int64_t earlier, AVRational unit);
+
 }  // namespace knotreel::video

@@ -137,15 +137,30 @@ void StreamSource::keep(PacketPtr packet) {
 }
 
 std::vector<Packet> StreamSource::packets_until(double seconds) {
-  demuxer_.video()->discard = AVDISCARD_ALL;
-  while (clock_ <= seconds) {
+  if (copied_streams().empty()) return {};
+  while (clock_ <= seconds && !packets_ended_) {
     PacketPtr packet = read_packet();
-    if (!packet) break;
+    if (!packet) {
+      packets_ended_ = true;
+      check_end();
+      break;
+    }
     const AVRational unit = demuxer_.format()->streams[packet->stream_index]->time_base;
     if (packet->dts != AV_NOPTS_VALUE) clock_ = double(packet->dts) * av_q2d(unit);
-    if (packet->stream_index != demuxer_.video_index()) keep(std::move(packet));
+    if (packet->stream_index == demuxer_.video_index()) {
+      pass_over(*packet);
+    } else {
+      keep(std::move(packet));
+    }
   }
   return take_packets();
+}
+
+/// A packet of the video that is not decoded: only how far the video goes is of interest.
+void StreamSource::pass_over(const AVPacket& packet) {
+  if (packet.pts == AV_NOPTS_VALUE || packet.pts < last_pts_) return;
+  last_pts_ = packet.pts;
+  if (packet.duration > 0) last_duration_ = packet.duration;
 }
 
 void StreamSource::take_video(PacketPtr packet) {

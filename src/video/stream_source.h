@@ -31,6 +31,7 @@ class StreamSource : public Source {
   void feed();
   PacketPtr read_packet();
   void keep(PacketPtr packet);
+  void pass_over(const AVPacket& packet);
   void take_video(PacketPtr packet);
   void damage(const std::string& why);
   void stamp(AVFrame& frame);
@@ -50,6 +51,7 @@ class StreamSource : public Source {
   std::int64_t last_pts_ = AV_NOPTS_VALUE, last_duration_ = 0;
   bool drained_ = false, cut_short_ = false;
   double clock_ = -std::numeric_limits<double>::infinity();  ///< of packets_until(), seconds
+  bool packets_ended_ = false;                               ///< likewise
 };
 
 }  // namespace knotreel::video

@@ -100,6 +100,8 @@ TEST_F(CliVideo, RenderCopiesStreams) {
   expect_failure(knotreel({"render", document_, "-o", path("x.png"), "--copy-streams", clip_}), 2);
   expect_failure(knotreel({"render", document_, "-o", path("x.mkv"), "--copy-streams", path("none.mkv")}), 3);
   expect_failure(knotreel({"render", "-", "-o", path("x.mkv"), "--copy-streams", "-"}), 2);
+  expect_failure(knotreel({"render", document_, "-o", path("x_%d.png"), "--copy-streams", clip_}), 2);
+  expect_failure(knotreel({"render", document_, "-f", "hash", "-o", "-", "--copy-streams", clip_}), 2);
   EXPECT_FALSE(std::filesystem::exists(path("x.mkv")));
 }
 
@@ -283,6 +285,16 @@ TEST_F(CliVideo, CompareTellsOfEveryFrameAndOfFlicker) {
   ASSERT_EQ(stats["rows"].size(), std::size_t{kFrames});
   EXPECT_TRUE(stats["rows"][0]["flicker"].is_null());
   EXPECT_GT(stats["rows"][1]["flicker"], 0);
+}
+
+TEST_F(CliVideo, CompareTellsWhichOfTheTwoIsDamaged) {
+  const std::string cut = path("cut.mkv");
+  std::filesystem::copy_file(clip_, cut);
+  std::filesystem::resize_file(cut, std::filesystem::file_size(cut) / 2);
+  const auto result = knotreel({"compare", clip_, cut});
+  EXPECT_EQ(result.exit_code, 0) << result.err;
+  EXPECT_NE(result.err.find("warning: '" + cut + "': the input ends early"), std::string::npos) << result.err;
+  EXPECT_EQ(result.err.find("'" + clip_), std::string::npos) << result.err;
 }
 
 TEST_F(CliVideo, WhatIsNoVideoIsExit3) {

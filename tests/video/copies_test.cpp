@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <cstring>
+#include <filesystem>
 #include <limits>
 
 #include "clips.h"
@@ -113,6 +114,23 @@ TEST(Copies, AreReadWithoutThePicturesToo) {
     EXPECT_TRUE(same_bytes(packets[i], clip.packets[i])) << i;
     EXPECT_EQ(packets[i].seconds(), clip.packets[i].seconds()) << i;
   }
+}
+
+TEST(Copies, WithoutThePicturesTellIfTheFileEndsEarlyToo) {
+  const TempDir dir;
+  write_sound_clip(dir / "a.mkv", "aac", true);
+  const auto warnings = [&](const std::string& name) {
+    VideoReader reader = VideoReader::open(dir / name);
+    EXPECT_GT(reader.packets_until(std::numeric_limits<double>::infinity()).size(), 5u);
+    EXPECT_TRUE(reader.packets_until(std::numeric_limits<double>::infinity()).empty());
+    return reader.warnings();
+  };
+  EXPECT_TRUE(warnings("a.mkv").empty());
+  std::filesystem::copy_file(dir / "a.mkv", dir / "cut.mkv");
+  std::filesystem::resize_file(dir / "cut.mkv", std::filesystem::file_size(dir / "a.mkv") / 2);
+  const std::vector<std::string> lines = warnings("cut.mkv");
+  ASSERT_EQ(lines.size(), 1u);
+  EXPECT_NE(lines[0].find("ends early"), std::string::npos) << lines[0];
 }
 
 TEST(Copies, MoveInTime) {

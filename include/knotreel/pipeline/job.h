@@ -39,7 +39,7 @@ struct FrameRow {
   double psnr = 0;              ///< dB, likewise; infinite for equal pictures
   double ssim = 0;              ///< likewise
   double survival = 0;          ///< share of the knots of the frame before that are in this one, 0 to 1
-  track::MeshChanges changes;   ///< likewise
+  track::MeshChanges changes;   ///< of its mesh, and of that for the next frame
   std::uint64_t bytes = 0;      ///< of its chunk in the document
   double modelled_seconds = 0;  ///< since the start of the run, when its model was there; 0: only read
   double finished_seconds = 0;  ///< since the start of the run, when it was encoded

@@ -13,10 +13,6 @@ namespace {
 /// With one thread, the fewest there may be.
 constexpr double kLeastFramesInFlight = 4;
 
-void warn_of(const Item& item, const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) warn("'" + item.input + "': " + line);
-}
-
 }  // namespace
 
 Figures ClipJob::run(const Item& item, Room& room) const {
@@ -34,8 +30,8 @@ Figures ClipJob::run(const Item& item, Room& room) const {
   job.stop = {};
   job.on_frame = [](const pipeline::FrameRow&) { check_interrupted(); };
   const pipeline::Summary summary = pipeline::run_graph(job);
-  warn_of(item, reader.warnings());
-  warn_of(item, summary.warnings);
+  warn_of(item.input, reader.warnings());
+  warn_of(item.input, summary.warnings);
   return {static_cast<std::size_t>(std::lround(summary.knots)),
           static_cast<std::size_t>(std::lround(summary.control_points)), summary.psnr,
           std::filesystem::file_size(item.output), summary.frames};
