@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cassert>
 #include <map>
+#include <span>
 
 #include "knotreel/base/error.h"
 #include "knotreel/mesh/predicates.h"
@@ -349,20 +350,31 @@ bool EditableMesh::move(KnotIndex k, Vec2 target) {
   return true;
 }
 
+void EditableMesh::undo_flips(std::span<const std::array<KnotIndex, 2>> edges) {
+  for (auto edge = edges.rbegin(); edge != edges.rend(); ++edge) {
+    // Once brings the old edge back, but each face in the place of the other; thrice puts that right, too.
+    Edge e = edge_between((*edge)[0], (*edge)[1]);
+    for (int i = 0; i < 3; ++i) e = flip(e);
+  }
+}
+
 bool EditableMesh::remove(KnotIndex k) {
   if (knots_[k].kind != KnotKind::kFree) return false;
   std::vector<FaceIndex> ring;
   faces_around(k, ring);
+  std::vector<std::array<KnotIndex, 2>> flipped;  // the edges that flips made
   while (ring.size() > 3) {
-    bool flipped = false;
-    for (const FaceIndex f : ring) {
-      const Edge e{f, static_cast<int>(next(static_cast<std::size_t>(corner_of(f, k))))};
-      if (!can_flip(e)) continue;
-      flip(e);
-      flipped = true;
-      break;
+    const auto spoke = [&](FaceIndex f) {
+      return Edge{f, static_cast<int>(next(static_cast<std::size_t>(corner_of(f, k))))};
+    };
+    const auto ear = std::find_if(ring.begin(), ring.end(), [&](FaceIndex f) { return can_flip(spoke(f)); });
+    if (ear == ring.end()) {
+      undo_flips(flipped);
+      return false;
     }
-    if (!flipped) return false;
+    const Edge made = flip(spoke(*ear));
+    const auto side = static_cast<std::size_t>(made.side);
+    flipped.push_back({faces_[made.face][next(side)], faces_[made.face][previous(side)]});
     faces_around(k, ring);
   }
   // Three faces around the knot become one.

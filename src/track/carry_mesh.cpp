@@ -128,7 +128,7 @@ class Carrier {
 
   /// Mends faces until none is bad, or none can be mended. To go on to the end matters: next to a knot that
   /// has to stay, all others have to, as far as the picture moves. It does end, since a flip leaves two sound
-  /// faces, and anything else takes a knot away.
+  /// faces, anything else takes a knot away, and what is tried in vain changes nothing.
   void mend() {
     std::vector<FaceIndex> bad = bad_faces();
     for (bool any = true; any && !bad.empty();) {
@@ -168,33 +168,34 @@ class Carrier {
     return false;
   }
 
-  /// Takes away the free knot of a face that moves least like its neighbours.
+  /// Takes away a free knot of a face: that which moves least like its neighbours, if it can be removed.
   /// @param touched gets the faces that take its place, and maybe others.
   bool remove_from(FaceIndex f, std::vector<FaceIndex>& touched) {
-    std::optional<KnotIndex> worst;
-    double most = -1;
+    std::vector<std::pair<double, KnotIndex>> candidates;
     for (const KnotIndex k : mesh_.face(f)) {
-      if (mesh_.knot(k).kind != KnotKind::kFree) continue;
-      const double d = deviation(k);
-      if (d > most) worst = k;
-      most = std::max(most, d);
+      if (mesh_.knot(k).kind == KnotKind::kFree) candidates.emplace_back(-deviation(k), k);
     }
-    if (!worst) return false;
+    std::sort(candidates.begin(), candidates.end());
+    return std::any_of(candidates.begin(), candidates.end(),
+                       [&](const auto& candidate) { return remove(candidate.second, touched); });
+  }
+
+  bool remove(KnotIndex k, std::vector<FaceIndex>& touched) {
     std::vector<FaceIndex> ring;
-    mesh_.faces_around(*worst, ring);
+    mesh_.faces_around(k, ring);
     std::vector<KnotIndex> around;  // each once: the next corner of each face
     for (const FaceIndex r : ring) {
       const mesh::Face& v = mesh_.face(r);
-      const auto at = static_cast<std::size_t>(std::find(v.begin(), v.end(), *worst) - v.begin());
+      const auto at = static_cast<std::size_t>(std::find(v.begin(), v.end(), k) - v.begin());
       around.push_back(v[(at + 1) % 3]);
     }
-    const bool removed = mesh_.remove(*worst);  // which may have flipped edges even where it fails
-    report_.removed += removed ? 1 : 0;
-    for (const KnotIndex k : around) {
-      mesh_.faces_around(k, ring);
+    if (!mesh_.remove(k)) return false;
+    ++report_.removed;
+    for (const KnotIndex j : around) {
+      mesh_.faces_around(j, ring);
       touched.insert(touched.end(), ring.begin(), ring.end());
     }
-    return removed;
+    return true;
   }
 
   double deviation(KnotIndex k) const {

@@ -172,6 +172,35 @@ TEST(EditableMesh, OnlyFreeKnotsCanBeRemoved) {
   }
 }
 
+std::vector<Face> faces_in_their_places(const EditableMesh& mesh) {
+  std::vector<Face> faces;
+  for (FaceIndex f = 0; f < mesh.face_slots(); ++f) faces.push_back(canonical({mesh.face(f)}).front());
+  return faces;
+}
+
+/// A knot on the line of two neighbours may be left with four neighbours that no flip takes away.
+TEST(EditableMesh, WhatCannotBeRemovedLeavesTheMeshAsItWas) {
+  std::size_t failed = 0;
+  for (const MeshCase& c : cases()) {
+    SCOPED_TRACE(c.to_text());
+    EditableMesh mesh(c.mesh);
+    MeshEdits edits(mesh, kSeed + 2);
+    for (int i = 0; i < 40; ++i) {
+      edits.insert_on_some_edge();
+      edits.flip_some_edge();
+    }
+    const std::vector<Face> faces = faces_in_their_places(mesh);
+    for (KnotIndex k = 0; k < mesh.knot_slots(); ++k) {
+      EditableMesh edited(mesh);
+      if (mesh.knot(k).kind != KnotKind::kFree || edited.remove(k)) continue;
+      ++failed;
+      ASSERT_EQ(faces_in_their_places(edited), faces);
+      expect_sound(edited, "remove in vain");
+    }
+  }
+  EXPECT_GT(failed, 20u);
+}
+
 TEST(EditableMesh, KnotsOnEdgesHaveTheKindOfTheEdge) {
   for (const MeshCase& c : cases()) {
     SCOPED_TRACE(c.to_text());

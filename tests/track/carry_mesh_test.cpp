@@ -8,6 +8,7 @@
 #include <random>
 
 #include "support/mesh_cases.h"
+#include "support/mesh_edits.h"
 
 namespace knotreel::track {
 namespace {
@@ -114,6 +115,24 @@ TEST(CarryMesh, KnotsThatGoAstrayDoNotHoldTheOthers) {
     EXPECT_LT(report.removed, mesh.knots.size() / 2) << seed;
     for (const mesh::Knot& k : carried.knots) {
       EXPECT_EQ(k.position, wanted.at(static_cast<std::uint32_t>(k.id))) << seed;
+    }
+  }
+}
+
+/// Knots on the lines between others cannot always be removed.
+TEST(CarryMesh, EndsWhereKnotsCannotBeRemoved) {
+  for (const auto& c : testing::random_cases(17, 60)) {
+    mesh::EditableMesh edited(c.mesh);
+    testing::MeshEdits edits(edited, 18);
+    for (int i = 0; i < 200; ++i) {
+      edits.insert_on_some_edge();
+      edits.flip_some_edge();
+    }
+    const KnotMesh mesh = edited.to_mesh();
+    for (const double amount : {1.0, 3.0, 10.0}) {
+      const KnotMesh carried = carry_mesh(mesh, knot_targets(mesh, whirl(mesh, amount, amount)), {});
+      const auto defect = mesh::find_defect(carried);
+      EXPECT_FALSE(defect) << c.name << " by " << amount << ": " << *defect;
     }
   }
 }

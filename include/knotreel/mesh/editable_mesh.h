@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "knotreel/mesh/knot_mesh.h"
@@ -91,7 +92,7 @@ class EditableMesh {
   /// @return whether it was moved.
   bool move(KnotIndex k, Vec2 position);
   /// Removes a free knot and closes the hole.
-  /// @return whether that was possible; if not, some edges around the knot may have been flipped.
+  /// @return whether that was possible; if not, the mesh is as it was.
   bool remove(KnotIndex k);
   /// Where a move to `target` would put the knot: itself, or its projection onto the line of the knot.
   Vec2 projected(KnotIndex k, Vec2 target) const;
@@ -104,6 +105,8 @@ class EditableMesh {
   KnotIndex new_knot(Vec2 position, KnotKind kind);
   int corner_of(FaceIndex f, KnotIndex k) const;
   std::array<KnotIndex, 2> line_neighbours(KnotIndex k) const;
+  /// @param edges that flips made, in their order.
+  void undo_flips(std::span<const std::array<KnotIndex, 2>> edges);
 
   double width_ = 0;
   double height_ = 0;
