@@ -7,7 +7,8 @@ function(knotreel_module name)
   target_include_directories(knotreel_${name}
     PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include> $<INSTALL_INTERFACE:include>
     PRIVATE ${PROJECT_SOURCE_DIR}/src)
-  target_link_libraries(knotreel_${name} PUBLIC ${M_LINK} PRIVATE ${M_PRIVATE_LINK} $<BUILD_INTERFACE:knotreel_flags>)
+  target_link_libraries(knotreel_${name} PUBLIC ${M_LINK} PRIVATE ${M_PRIVATE_LINK}
+    $<BUILD_INTERFACE:Boost::headers> $<BUILD_INTERFACE:knotreel_flags>)
   set_target_properties(knotreel_${name} PROPERTIES EXPORT_NAME ${name})
   set_property(GLOBAL APPEND PROPERTY KNOTREEL_MODULES knotreel_${name})
 endfunction()

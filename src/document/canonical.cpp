@@ -123,10 +123,11 @@ std::shared_ptr<const spline::SplineSpace> canonical_space(
   std::iota(own_names.begin(), own_names.end(), 0u);
   return std::make_shared<spline::SplineSpace>(
       std::move(mesh), given->degree(), [&](const spline::LinkPolygon& polygon, auto& codes) {
-        auto triangles = links.find(polygon, own_names);
+        const auto known = links.find(polygon, own_names);
+        const std::size_t n = polygon.corners.size();
+        if (!known.empty()) return spline::encode_triangulation(n, {known.data(), known.size()}, codes);
         // At degree 3, the link of two multiple corners can depend on the numbering: choose anew.
-        if (triangles.empty()) triangles = spline::triangulate_polygon(polygon.positions);
-        spline::encode_triangulation(polygon.corners.size(), triangles, codes);
+        spline::encode_triangulation(n, spline::triangulate_polygon(polygon.positions), codes);
       });
 }
 

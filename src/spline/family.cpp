@@ -81,7 +81,7 @@ namespace {
 
 /// @param loop of the link of the first `count` corners of J, starting with the smallest corner.
 void append_loop(const mesh::CutMesh& cut, const std::array<CornerIndex, 3>& vertex, std::size_t count,
-                 std::vector<CornerIndex> loop, std::vector<LinkLoop>& loops) {
+                 SmallVector<CornerIndex, 8> loop, std::vector<LinkLoop>& loops) {
   const std::span knots(vertex.data(), count);
   const auto is_copy = [&](CornerIndex c) {
     return cut.corners[c].multiple && std::find(knots.begin(), knots.end(), c) != knots.end();
@@ -105,9 +105,7 @@ std::vector<LinkLoop> corner_loops(const mesh::CutMesh& cut) {
     const auto fan = cut.fan(c);
     const bool through_copy = corner.multiple && !corner.closed;
     if (fan.size() + (through_copy ? 1 : 0) < 3) continue;
-    std::vector<CornerIndex> loop;
-    loop.reserve(fan.size() + 1);
-    loop.assign(fan.begin(), fan.end());
+    SmallVector<CornerIndex, 8> loop(fan.begin(), fan.end());
     if (through_copy) loop.push_back(c);
     std::rotate(loop.begin(), std::min_element(loop.begin(), loop.end()), loop.end());
     append_loop(cut, {c, kNoCorner, kNoCorner}, 1, std::move(loop), loops);
@@ -118,8 +116,8 @@ std::vector<LinkLoop> corner_loops(const mesh::CutMesh& cut) {
 void append_loops(const mesh::CutMesh& cut, LinkVertex& vertex, int level, std::vector<std::uint32_t>& place,
                   std::vector<LinkLoop>& loops) {
   const std::span<const CornerIndex> knots(vertex.knots.data(), static_cast<std::size_t>(level) + 1);
-  for (std::vector<CornerIndex>& loop : link_loops(cut, knots, vertex.edges, place)) {
-    append_loop(cut, vertex.knots, knots.size(), std::move(loop), loops);
+  for (const std::vector<CornerIndex>& loop : link_loops(cut, knots, vertex.edges, place)) {
+    append_loop(cut, vertex.knots, knots.size(), {loop.begin(), loop.end()}, loops);
   }
 }
 

@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "base/small_vector.h"
 #include "knotreel/spline/link.h"
 #include "knotreel/spline/space.h"
 #include "spline/link_polygons.h"
@@ -34,9 +35,9 @@ void for_each_vertex(std::span<const FamilyConfig> family, int level,
 
 /// One loop of the link of a vertex of a family.
 struct LinkLoop {
-  std::array<CornerIndex, 3> vertex;  ///< J, as in LinkVertex
-  std::vector<CornerIndex> corners;   ///< positive order; a fan starts with its centre
-  bool fan = false;                   ///< has one triangulation only: a triangle, or around a copy of J
+  std::array<CornerIndex, 3> vertex;    ///< J, as in LinkVertex
+  SmallVector<CornerIndex, 8> corners;  ///< positive order; a fan starts with its centre
+  bool fan = false;                     ///< has one triangulation only: a triangle, or around a copy of J
 };
 
 /// The links of the vertices of the level-0 family, by corner: the link of one corner is its fan, closed as

@@ -6,6 +6,7 @@
 #include <numeric>
 #include <utility>
 
+#include "base/small_vector.h"
 #include "knotreel/base/error.h"
 
 namespace knotreel::spline {
@@ -37,15 +38,13 @@ void encode_triangulation(std::size_t n, std::span<const PolygonTriangle> triang
     Span edge;
     std::uint32_t corner;
   };
-  std::vector<Apex> apexes;
-  apexes.reserve(triangles.size());
+  SmallVector<Apex, 8> apexes;
   for (PolygonTriangle t : triangles) {
     std::sort(t.begin(), t.end());
     apexes.push_back({{t[0], t[2]}, t[1]});
   }
   std::sort(apexes.begin(), apexes.end(), [](const Apex& a, const Apex& b) { return a.edge < b.edge; });
-  std::vector<Span> open;
-  open.reserve(n);
+  SmallVector<Span, 8> open;
   open.push_back({0, static_cast<std::uint32_t>(n - 1)});
   while (!open.empty()) {
     const auto [i, j] = open.back();
@@ -65,8 +64,7 @@ void encode_triangulation(std::size_t n, std::span<const PolygonTriangle> triang
 std::optional<std::size_t> decode_triangulation(std::size_t n, std::span<const std::uint16_t> codes,
                                                 std::vector<PolygonTriangle>& triangles) {
   std::size_t used = 0;
-  std::vector<Span> open;
-  open.reserve(n);
+  SmallVector<Span, 8> open;
   open.push_back({0, static_cast<std::uint32_t>(n - 1)});
   while (!open.empty()) {
     const auto [i, j] = open.back();

@@ -8,8 +8,8 @@ namespace {
 
 /// Appends the name of a link: its vertex, ascending, and its ring, turned to start with its least name.
 /// @return the place in the polygon where the ring starts.
-std::size_t append_name(const LinkPolygon& polygon, std::span<const std::uint32_t> names,
-                        std::vector<std::uint32_t>& out) {
+template <class Names>
+std::size_t append_name(const LinkPolygon& polygon, std::span<const std::uint32_t> names, Names& out) {
   const auto vertex = static_cast<std::ptrdiff_t>(out.size());
   for (const CornerIndex c : polygon.vertex) out.push_back(names[c]);
   std::sort(out.begin() + vertex, out.end());
@@ -45,21 +45,20 @@ NamedLinks::NamedLinks(const SplineSpace& space, std::span<const std::uint32_t> 
   });
 }
 
-std::vector<PolygonTriangle> NamedLinks::find(const LinkPolygon& polygon,
-                                              std::span<const std::uint32_t> names) const {
-  std::vector<std::uint32_t> name;
-  name.reserve(polygon.vertex.size() + polygon.corners.size());
+NamedLinks::Triangles NamedLinks::find(const LinkPolygon& polygon,
+                                       std::span<const std::uint32_t> names) const {
+  SmallVector<std::uint32_t, 16> name;
   const std::size_t start = append_name(polygon, names, name);
   const auto less = [&](const Link& link, std::span<const std::uint32_t> wanted) {
     return std::ranges::lexicographical_compare(name_of(link), wanted);
   };
-  const auto link =
-      std::lower_bound(links_.begin(), links_.end(), std::span<const std::uint32_t>(name), less);
+  const auto link = std::lower_bound(links_.begin(), links_.end(),
+                                     std::span<const std::uint32_t>(name.data(), name.size()), less);
   if (link == links_.end() || !std::ranges::equal(name_of(*link), name)) return {};
   const auto first = triangles_.begin() + static_cast<std::ptrdiff_t>(link->triangle_begin);
   const auto last = triangles_.begin() + static_cast<std::ptrdiff_t>(link->triangle_end);
-  std::vector<PolygonTriangle> triangles(first, last);
-  turn(triangles, start, polygon.corners.size());
+  Triangles triangles(first, last);
+  turn({triangles.data(), triangles.size()}, start, polygon.corners.size());
   return triangles;
 }
 

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "base/small_vector.h"
 #include "knotreel/spline/link.h"
 #include "knotreel/spline/space.h"
 
@@ -13,13 +14,15 @@ namespace knotreel::spline {
 /// names of the corners of its vertex and of its polygon.
 class NamedLinks {
  public:
+  using Triangles = SmallVector<PolygonTriangle, 8>;
+
   /// @param names of the corners of the space; of links with equal names the first is kept.
   NamedLinks(const SplineSpace& space, std::span<const std::uint32_t> names);
 
   /// The triangulation of the link with the names of `polygon`, in places of that polygon; empty if there is
   /// none. May be called from several threads.
   /// @param names of the corners of the polygon's space.
-  std::vector<PolygonTriangle> find(const LinkPolygon& polygon, std::span<const std::uint32_t> names) const;
+  Triangles find(const LinkPolygon& polygon, std::span<const std::uint32_t> names) const;
 
  private:
   /// Parts of the vectors below. The triangles count places from the start of the name's ring.

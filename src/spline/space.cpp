@@ -35,8 +35,8 @@ class Polygons {
     for (const LinkLoop& loop : loops) {
       if (loop.fan) continue;
       const std::size_t n = loop.corners.size();
-      polygons_.push_back({std::span(loop.vertex.data(), static_cast<std::size_t>(level) + 1), loop.corners,
-                           std::span(positions_).subspan(at, n)});
+      polygons_.push_back({std::span(loop.vertex.data(), static_cast<std::size_t>(level) + 1),
+                           std::span(loop.corners.data(), n), std::span(positions_).subspan(at, n)});
       at += n;
     }
   }

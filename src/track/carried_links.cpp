@@ -20,7 +20,7 @@ std::vector<std::uint32_t> corner_ids(const mesh::KnotMesh& mesh, const mesh::Cu
   return ids;
 }
 
-bool all_positive(const std::vector<spline::PolygonTriangle>& triangles, std::span<const Vec2> positions) {
+bool all_positive(std::span<const spline::PolygonTriangle> triangles, std::span<const Vec2> positions) {
   return std::all_of(triangles.begin(), triangles.end(), [&](spline::PolygonTriangle t) {
     std::sort(t.begin(), t.end());  // positive order of the polygon
     return signed_area(positions[t[0]], positions[t[1]], positions[t[2]]) > kLeastArea;
@@ -38,7 +38,8 @@ spline::SplineSpace LinkMemory::space_over(mesh::KnotMesh mesh, int degree,
   const spline::LinkPolicy choose = knots::picture_links(target);
   return {std::move(mesh), degree,
           [&](const spline::LinkPolygon& polygon, std::vector<std::uint16_t>& codes) {
-            const auto known = links_.find(polygon, ids);
+            const spline::NamedLinks::Triangles found = links_.find(polygon, ids);
+            const std::span<const spline::PolygonTriangle> known(found.data(), found.size());
             if (!known.empty() && all_positive(known, polygon.positions)) {
               return spline::encode_triangulation(polygon.corners.size(), known, codes);
             }

@@ -24,29 +24,23 @@ Ids ascending(Ids ids) {
 
 }  // namespace
 
-std::size_t FaceErrors::Hash::operator()(const Ids& ids) const {
-  return (std::size_t{ids[0]} * 0x9e3779b97f4a7c15ULL ^ ids[1]) * 0x9e3779b97f4a7c15ULL ^ ids[2];
-}
-
-FaceErrors::FaceErrors(const mesh::KnotMesh& mesh, const knots::Target& target) {
-  std::vector<double> errors(mesh.faces.size());
-  parallel_for(errors.size(), [&](std::size_t f) {
-    const mesh::Face& v = mesh.faces[f];
-    errors[f] =
-        target.error({mesh.knots[v[0]].position, mesh.knots[v[1]].position, mesh.knots[v[2]].position});
-  });
-  by_ids_.reserve(errors.size());
-  for (std::size_t f = 0; f < errors.size(); ++f) {
+FaceErrors::FaceErrors(const mesh::KnotMesh& mesh, const knots::Target& target) : faces_(mesh.faces.size()) {
+  parallel_for(faces_.size(), [&](std::size_t f) {
     const mesh::Face& v = mesh.faces[f];
     const auto id = [&](std::size_t i) { return static_cast<std::uint32_t>(mesh.knots[v[i]].id); };
-    sum_ += errors[f];
-    by_ids_.emplace(ascending({id(0), id(1), id(2)}), errors[f]);
-  }
+    faces_[f] = {
+        ascending({id(0), id(1), id(2)}),
+        target.error({mesh.knots[v[0]].position, mesh.knots[v[1]].position, mesh.knots[v[2]].position})};
+  });
+  for (const Face& f : faces_) sum_ += f.error;
+  std::sort(faces_.begin(), faces_.end(), [](const Face& a, const Face& b) { return a.ids < b.ids; });
 }
 
 double FaceErrors::of(Ids ids) const {
-  const auto known = by_ids_.find(ascending(ids));
-  return known == by_ids_.end() ? 0 : known->second;
+  const Ids wanted = ascending(ids);
+  const auto known = std::lower_bound(faces_.begin(), faces_.end(), wanted,
+                                      [](const Face& f, const Ids& i) { return f.ids < i; });
+  return known == faces_.end() || known->ids != wanted ? 0 : known->error;
 }
 
 Foresight::Foresight(const EditableMesh& mesh, const knots::Target& target, const FaceErrors& before)

@@ -3,7 +3,6 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <unordered_map>
 #include <vector>
 
 #include "knotreel/knots/target.h"
@@ -21,10 +20,11 @@ class FaceErrors {
   double of(std::array<std::uint32_t, 3> ids) const;
 
  private:
-  struct Hash {
-    std::size_t operator()(const std::array<std::uint32_t, 3>& ids) const;
+  struct Face {
+    std::array<std::uint32_t, 3> ids;  ///< ascending
+    double error;
   };
-  std::unordered_map<std::array<std::uint32_t, 3>, double, Hash> by_ids_;  ///< ascending
+  std::vector<Face> faces_;  ///< by ids
   double sum_ = 0;
 };
 

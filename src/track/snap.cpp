@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/small_vector.h"
 #include "knotreel/base/error.h"
 #include "knotreel/fit/geometry_fit.h"
 
@@ -106,7 +107,7 @@ void find_edge(double known, const motion::Luma& now, const SnapOptions& options
   if (std::abs(known) < kWeakest) return;
   s.known = true;
   const int reach = static_cast<int>(std::lround(options.reach / kStep));
-  std::vector<double> steep;
+  SmallVector<double, 64> steep;
   for (int i = -reach - 1; i <= reach + 1; ++i) {
     const double slope = slope_at(now, s.position + (i * kStep) * s.normal, s.normal);
     steep.push_back(known > 0 ? slope : -slope);
