@@ -10,6 +10,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/spline/smooth_corners.h"
+#include "knotreel/spline/surface.h"
 
 namespace knotreel::fit {
 
@@ -66,7 +67,7 @@ std::vector<float> residual_in(const spline::PixelValues& values, const image::I
       }
     });
   };
-  spline::for_surface_tiles<Value>(values, control, image.channels, add_tile);
+  spline::for_surface_tiles<Value>(values, {control, image.channels}, add_tile);
   return residual;
 }
 

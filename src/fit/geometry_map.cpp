@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <array>
 
+#include "knotreel/spline/surface.h"
+
 namespace knotreel::fit {
 
 namespace {
@@ -15,35 +17,36 @@ constexpr std::array<Vec2, 9> kOtherStarts{
 
 }  // namespace
 
-GeometryMap::GeometryMap(const spline::Basis& basis, std::span<const Vec2> displacement) : basis_(basis) {
-  const auto& space = basis.space();
-  by_function_.resize(space.function_count());
-  for (std::size_t f = 0; f < by_function_.size(); ++f)
-    by_function_[f] = displacement[space.geometry_of()[f]];
+std::vector<double> displacement_control(const spline::SplineSpace& space,
+                                         std::span<const Vec2> displacement) {
+  std::vector<double> control;
+  control.reserve(2 * space.function_count());
+  for (const std::uint32_t g : space.geometry_of()) {
+    control.push_back(displacement[g].x);
+    control.push_back(displacement[g].y);
+  }
+  return control;
 }
+
+GeometryMap::GeometryMap(const spline::Basis& basis, std::span<const Vec2> displacement)
+    : basis_(basis), control_(displacement_control(basis.space(), displacement)) {}
 
 Vec2 GeometryMap::clamped(Vec2 u) const {
   const auto& mesh = basis_.space().mesh();
   return {std::clamp(u.x, 0.0, mesh.width), std::clamp(u.y, 0.0, mesh.height)};
 }
 
-MapValue GeometryMap::at(Vec2 u, std::vector<spline::BasisJet>& jets) const {
+MapValue GeometryMap::at(Vec2 u) const {
   const auto& mesh = basis_.space().mesh();
-  basis_.evaluate(u, spline::inward_direction(u, mesh.width, mesh.height), jets);
-  MapValue v{u, {1, 0}, {0, 1}};
-  for (const spline::BasisJet& j : jets) {
-    const Vec2 d = by_function_[j.function];
-    v.at = v.at + j.jet.value * d;
-    v.by_x = v.by_x + j.jet.dx * d;
-    v.by_y = v.by_y + j.jet.dy * d;
-  }
-  return v;
+  std::array<spline::Jet, 2> d;
+  spline::surface_jets(basis_, {control_, 2}, u, spline::inward_direction(u, mesh.width, mesh.height), d);
+  return {u + Vec2{d[0].value, d[1].value}, {1 + d[0].dx, d[1].dx}, {d[0].dy, 1 + d[1].dy}};
 }
 
-Vec2 GeometryMap::place_of(Vec2 target, Vec2 start, std::vector<spline::BasisJet>& jets) const {
+Vec2 GeometryMap::place_of(Vec2 target, Vec2 start) const {
   const auto search = [&](Vec2 from) {
     return damped_newton(
-        target, from, kSearch, [&](Vec2 u) { return at(u, jets); }, [this](Vec2 u) { return clamped(u); });
+        target, from, kSearch, [&](Vec2 u) { return at(u); }, [this](Vec2 u) { return clamped(u); });
   };
   Attempt best = search(start);
   for (std::size_t i = 0; i < kOtherStarts.size() && best.miss > kNear; ++i) {

@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fit/geometry_map.h"
 #include "knotreel/fit/geometry_fit.h"
+#include "knotreel/spline/surface.h"
 
 namespace knotreel::fit {
 
@@ -14,13 +16,11 @@ constexpr double kTraceStep = 0.2;     // pixels, between them
 
 std::vector<Vec2> image_points(const spline::Basis& basis, std::span<const Vec2> displacement,
                                std::vector<Vec2> points) {
-  const spline::ScatteredValues values = basis.evaluate(points);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    for (std::size_t j = values.begin[i]; j < values.begin[i + 1]; ++j) {
-      const spline::BasisValue& v = values.values[j];
-      points[i] = points[i] + v.value * displacement[basis.space().geometry_of()[v.function]];
-    }
-  }
+  const std::vector<double> control = displacement_control(basis.space(), displacement);
+  std::vector<double> moves(2 * points.size());
+  spline::surface_at_points(basis, {control, 2}, points, moves);
+  for (std::size_t i = 0; i < points.size(); ++i)
+    points[i] = points[i] + Vec2{moves[2 * i], moves[2 * i + 1]};
   return points;
 }
 

@@ -126,9 +126,8 @@ class Derivatives {
 
   /// Adds the pixels of a tile to the gradients by the planes of all terms that have a movable knot.
   void add_tile(std::size_t tile, Band& band) const {
-    const auto entries = values_.entries(tile);
-    if (std::none_of(entries.begin(), entries.end(), [&](const auto& e) { return movable_[e.piece]; }))
-      return;
+    const std::span<const std::uint32_t> pieces = values_.pieces(tile);
+    if (std::none_of(pieces.begin(), pieces.end(), [&](std::uint32_t p) { return movable_[p]; })) return;
     const std::span<const spline::FunctionIndex> functions = values_.functions(tile);
     const float* const x = values_.places(tile).data();
     TileResidual residual;
@@ -141,16 +140,17 @@ class Derivatives {
     const float* const zeros = &products[functions.size() * kPixels];
     std::fill_n(&products[functions.size() * kPixels], kPixels, 0.0F);
     const Vec2 corner = values_.corner(tile);
-    for (const auto& entry : entries) {
-      if (!movable_[entry.piece]) continue;
-      const Piece& piece = basis_.pieces().pieces[entry.piece];
+    for (std::size_t i = 0; i < pieces.size(); ++i) {
+      if (!movable_[pieces[i]]) continue;
+      const Piece& piece = basis_.pieces().pieces[pieces[i]];
       const std::span<const PieceTerm> terms = terms_of(piece);
       const float* q[3];
       for (std::size_t k = 0; k < 3; ++k) {
-        q[k] = entry.slots[k] == spline::PixelValues::kNoSlot ? zeros : &products[entry.slots[k] * kPixels];
+        const std::uint32_t slot = values_.slots(tile)[i][k];
+        q[k] = slot == spline::PixelValues::kNoSlot ? zeros : &products[slot * kPixels];
       }
-      const std::span<ShapeGradient> sums = band.of(entry.piece, terms.size());
-      const Vec2 offset = corner - origin_of(entry.piece);
+      const std::span<ShapeGradient> sums = band.of(pieces[i], terms.size());
+      const Vec2 offset = corner - origin_of(pieces[i]);
       for (std::size_t t = 0; t < terms.size(); ++t)
         add_pixels(shape_of(piece, terms[t], corner), x, x + kPixels, q, offset, sums[t]);
     }

@@ -7,12 +7,13 @@
 #include "fit/geometry_map.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/geometry_fit.h"
+#include "knotreel/spline/surface.h"
 
 namespace knotreel::fit {
 
 namespace {
 
-using spline::PixelValues;
+using spline::PixelTiles;
 
 // The displacement changes by less than a fifth of a pixel per pixel nearly everywhere, so each rough step
 // leaves less than a fifth of the way.
@@ -34,24 +35,21 @@ using Offsets = std::vector<Offset>;
 class Displacements {
  public:
   Displacements(const spline::Basis& basis, std::span<const Vec2> displacement, int width, int height)
-      : basis_(basis), width_(width), height_(height) {
-    const spline::SplineSpace& space = basis.space();
-    control_.reserve(2 * space.function_count());
-    displaced_.reserve(space.function_count());
-    for (const std::uint32_t g : space.geometry_of()) {
-      control_.push_back(displacement[g].x);
-      control_.push_back(displacement[g].y);
-      displaced_.push_back(displacement[g] != Vec2{});
-    }
+      : basis_(basis),
+        width_(width),
+        height_(height),
+        control_(displacement_control(basis.space(), displacement)) {
+    displaced_.reserve(basis.space().function_count());
+    for (const std::uint32_t g : basis.space().geometry_of()) displaced_.push_back(displacement[g] != Vec2{});
   }
 
   /// @param places none: the centres.
   Offsets at(std::span<const Vec2> places) const {
     Offsets offsets(std::size_t(width_) * std::size_t(height_));
-    const PixelValues values(basis_, width_, height_, places, displaced_);
-    spline::for_surface_tiles<float>(values, control_, 2, [&](std::size_t t, const auto& surface) {
-      values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
-        offsets[pixel] = {surface[place], surface[PixelValues::kTilePixels + place]};
+    const PixelTiles tiles(basis_, width_, height_, places, displaced_);
+    spline::for_surface_tiles<float>(tiles, {control_, 2}, [&](std::size_t t, const auto& surface) {
+      tiles.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
+        offsets[pixel] = {surface[place], surface[PixelTiles::kTilePixels + place]};
       });
     });
     return offsets;
@@ -212,9 +210,8 @@ class Search {
       far_.resize(left);
     }
     parallel_for((far_.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
-      std::vector<spline::BasisJet> jets;
       for (std::size_t k = block * kBlock; k < std::min((block + 1) * kBlock, far_.size()); ++k)
-        places_[far_[k]] = map_.place_of(centre(far_[k]), places_[far_[k]], jets);
+        places_[far_[k]] = map_.place_of(centre(far_[k]), places_[far_[k]]);
     });
   }
 

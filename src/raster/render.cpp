@@ -8,6 +8,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/pixel_places.h"
+#include "knotreel/spline/surface.h"
 #include "raster/colour_mean.h"
 #include "raster/feature_trace.h"
 #include "raster/frame_size.h"
@@ -89,7 +90,7 @@ struct Renderer::State {
   bool is_fitted_size() const { return known || placed; }
 
   void copy_known(const Part& part) const;
-  void draw_placed(int x0, int y0, const Part& part, std::vector<float>& memory) const;
+  void draw_placed(int x0, int y0, const Part& part) const;
   template <class Value>
   void store_tile(const Value* colours, std::size_t stride, int x0, int y0, const Part& part) const;
   void draw_centres(Tile& tile, int x0, int y0, const Part& part) const;
@@ -154,12 +155,12 @@ void Renderer::State::copy_known(const Part& part) const {
 }
 
 /// The same, where the basis has been evaluated there.
-void Renderer::State::draw_placed(int x0, int y0, const Part& part, std::vector<float>& memory) const {
+void Renderer::State::draw_placed(int x0, int y0, const Part& part) const {
   spline::TileSurface<float> colours;
   const spline::PixelValues& values = placed->values();
   const std::size_t index = static_cast<std::size_t>(y0 / kPlacedSide) * values.tile_columns() +
                             static_cast<std::size_t>(x0 / kPlacedSide);
-  spline::surface_of_tile(values, index, colour, static_cast<int>(channels), memory, colours);
+  spline::surface_of_tile(values, index, {colour, static_cast<int>(channels)}, colours);
   store_tile(colours.data(), spline::PixelValues::kTilePixels, x0, y0, part);
 }
 
@@ -189,7 +190,6 @@ void Renderer::State::draw_block(int tile_x0, int tile_y0, int tile_x1, int tile
                                  const std::vector<std::uint64_t>& crossed, const Part& part) const {
   Tile tile(surface);
   bool is_set = false;
-  std::vector<float> memory;
   std::vector<std::uint64_t> pixels;
   for (int ty = tile_y0; ty < tile_y1; ++ty) {
     for (int tx = tile_x0; tx < tile_x1; ++tx) {
@@ -201,7 +201,7 @@ void Renderer::State::draw_block(int tile_x0, int tile_y0, int tile_x1, int tile
         pixels.insert(pixels.end(), first,
                       std::lower_bound(first, crossed.end(), pixel_at(x0 + tile_width, y)));
       }
-      if (placed) draw_placed(x0, y0, part, memory);
+      if (placed) draw_placed(x0, y0, part);
       if (is_fitted_size() && pixels.empty()) continue;
       if (!is_set) {
         tile.set_block({tile_x0 * tile_width * fine_width, tile_y0 * tile_height * fine_height},

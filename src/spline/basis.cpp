@@ -4,33 +4,11 @@
 #include <limits>
 
 #include "knotreel/base/parallel.h"
-#include "spline/tent.h"
+#include "spline/jet.h"
 
 namespace knotreel::spline {
 
 namespace {
-
-Jet affine_jet(const Affine& a, Vec2 u) {
-  return {a(u), a.nx, a.ny, 0, 0, 0};
-}
-
-Jet multiply(const Jet& a, const Jet& b) {
-  return {a.value * b.value,
-          a.value * b.dx + a.dx * b.value,
-          a.value * b.dy + a.dy * b.value,
-          a.value * b.dxx + 2 * a.dx * b.dx + a.dxx * b.value,
-          a.value * b.dxy + a.dx * b.dy + a.dy * b.dx + a.dxy * b.value,
-          a.value * b.dyy + 2 * a.dy * b.dy + a.dyy * b.value};
-}
-
-void add(Jet& sum, const Jet& a) {
-  sum.value += a.value;
-  sum.dx += a.dx;
-  sum.dy += a.dy;
-  sum.dxx += a.dxx;
-  sum.dxy += a.dxy;
-  sum.dyy += a.dyy;
-}
 
 void add(double& sum, double a) {
   sum += a;
@@ -96,9 +74,8 @@ void append_values(const PieceSet& set, const TermIndex& index, Vec2 u, Vec2 dir
   for (const TermIndex::Entry& e : index.at(u)) {
     if (!index.near(e, u)) continue;
     const PieceTerm& term = set.terms[e.term];
-    double w = tent_value(term.tent, u, direction);
+    const double w = term_value(term, u, direction);
     if (w == 0) continue;
-    if (term.has_factor) w *= term.factor(u);
     const Piece& piece = set.pieces[e.piece];
     // Degree 1: u counts as inside the closed face, so a negative coordinate is the tolerance of a wall.
     const double lowest = term.tent.slope_count == 0 ? 0 : -std::numeric_limits<double>::infinity();
@@ -131,9 +108,8 @@ void Basis::evaluate(Vec2 u, Vec2 direction, std::vector<BasisJet>& out) const {
   for (const TermIndex::Entry& e : index_.at(u)) {
     if (!index_.near(e, u)) continue;
     const PieceTerm& term = pieces_.terms[e.term];
-    Jet w = tent_jet(term.tent, u, direction);
-    if (w.value == 0 && w.dx == 0 && w.dy == 0) continue;
-    if (term.has_factor) w = multiply(w, affine_jet(term.factor, u));
+    const Jet w = term_jet(term, u, direction);
+    if (w == Jet{}) continue;
     const Piece& piece = pieces_.pieces[e.piece];
     for (std::size_t i = 0; i < 3; ++i) {
       if (piece.functions[i] == kNoFunction) continue;

@@ -18,6 +18,11 @@ inline Plane operator-(const Plane& a, const Plane& b) {
   return {a.c - b.c, a.x - b.x, a.y - b.y};
 }
 
+template <class Value>
+PlaneIn<Value> plane_in(const Plane& p) {
+  return {static_cast<Value>(p.c), static_cast<Value>(p.x), static_cast<Value>(p.y)};
+}
+
 inline Plane plane_of(const Affine& a, Vec2 origin) {
   return {a(origin), a.nx, a.ny};
 }

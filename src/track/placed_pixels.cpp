@@ -8,6 +8,7 @@
 #include "knotreel/fit/edge_colours.h"
 #include "knotreel/fit/geometry_fit.h"
 #include "knotreel/fit/pixel_places.h"
+#include "knotreel/spline/surface.h"
 
 namespace knotreel::track {
 
@@ -42,7 +43,7 @@ std::shared_ptr<const spline::PixelSurface> surface_at(const PlacedPixels& pixel
   auto surface = std::make_shared<spline::PixelSurface>();
   surface->basis = pixels.placed->basis();
   surface->colours.resize(pixels.picture.samples.size());
-  spline::surface_at_pixels<float>(pixels.placed->values(), control, pixels.picture.channels,
+  spline::surface_at_pixels<float>(pixels.placed->values(), {control, pixels.picture.channels},
                                    surface->colours);
   return surface;
 }

@@ -9,12 +9,14 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/spline/smooth_corners.h"
+#include "knotreel/spline/surface.h"
 #include "support/pictures.h"
 
 namespace knotreel::fit {
 namespace {
 
 using namespace knotreel::testing;
+using spline::PixelTiles;
 using spline::PixelValues;
 using spline::surface_at_pixels;
 
@@ -254,7 +256,7 @@ TEST(SurfaceAtPixels, EqualsEvaluationByPoints) {
     const spline::Basis basis(space);
     const std::vector<double> control = random_control(space->function_count() * std::size_t(channels), 3);
     std::vector<double> out(48 * 40 * std::size_t(channels), 1e9);  // overwritten
-    surface_at_pixels<double>(PixelValues(basis, 48, 40, places), control, channels, out);
+    surface_at_pixels<double>(PixelTiles(basis, 48, 40, places), {control, channels}, out);
     const std::vector<double> expected = slow_surface(basis, control, channels, 48, 40, places);
     for (std::size_t i = 0; i < out.size(); ++i) ASSERT_NEAR(out[i], expected[i], 1e-9);
   }

@@ -7,6 +7,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/spline/pixel_values.h"
+#include "knotreel/spline/surface.h"
 #include "spline/law_cases.h"
 #include "spline/tent.h"
 
@@ -196,7 +197,7 @@ TEST_P(Pixels, ThreadsDoNotMatter) {
   }
 }
 
-/// What entries() leave out is zero.
+/// What pieces() leave out is zero.
 TEST_P(Pixels, PiecesReachTheirTilesOnly) {
   for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 5)) {
     SCOPED_TRACE(c.name);
@@ -208,7 +209,7 @@ TEST_P(Pixels, PiecesReachTheirTilesOnly) {
     const std::size_t pieces = basis.pieces().pieces.size();
     std::vector<bool> reached(pixels.tile_count() * pieces);
     for (std::size_t t = 0; t < pixels.tile_count(); ++t) {
-      for (const PixelValues::Entry& e : pixels.entries(t)) reached[t * pieces + e.piece] = true;
+      for (const std::uint32_t p : pixels.pieces(t)) reached[t * pieces + p] = true;
     }
     for (std::size_t i = 0; i < places.size(); ++i) {
       const std::size_t tile =
@@ -239,7 +240,7 @@ TEST_P(Pixels, SurfaceIsTheSumOfValuesTimesControlPoints) {
       std::vector<double> control(n * channels);
       for (double& v : control) v = static_cast<double>(random() % 256);
       std::vector<double> out(raster.size() * channels);
-      surface_at_pixels<double>(pixels, control, static_cast<int>(channels), out);
+      surface_at_pixels<double>(pixels, {control, static_cast<int>(channels)}, out);
       for (std::size_t i = 0; i < out.size(); ++i) {
         double sum = 0;
         for (std::size_t f = 0; f < n; ++f)

@@ -25,6 +25,8 @@ struct Jet {
   double dxx = 0;
   double dxy = 0;
   double dyy = 0;
+
+  bool operator==(const Jet&) const = default;
 };
 
 /// Simplex spline M(u | knots) of degree knots.size() - 3 (paper Eq. 1, 2), as the limit from the side of

@@ -1,0 +1,50 @@
+#pragma once
+
+#include <array>
+#include <functional>
+#include <span>
+
+#include "knotreel/spline/pixel_tiles.h"
+
+/// Surfaces: sums over functions of value times control point. The three functions of a piece are added up
+/// first, which leaves one plane per channel, so that no function is ever evaluated.
+namespace knotreel::spline {
+
+inline constexpr int kMaxSurfaceChannels = 4;
+
+/// Control points of a surface.
+struct Control {
+  std::span<const double> points;  ///< function by function, `channels` numbers each
+  int channels;                    ///< 1 to kMaxSurfaceChannels
+};
+
+/// A surface at the pixels of a tile: channel by channel, kTilePixels each, row by row. Beside the picture it
+/// holds anything.
+template <class Value>
+using TileSurface = std::array<Value, kMaxSurfaceChannels * PixelTiles::kTilePixels>;
+
+/// @param control of functions that the tiles were not made for must be 0.
+/// @tparam Value double or float.
+template <class Value>
+void surface_of_tile(const PixelTiles& tiles, std::size_t tile, const Control& control,
+                     TileSurface<Value>& out);
+
+/// The same for all tiles: calls visit(index of the tile, surface), in any order, on all threads allowed.
+template <class Value>
+void for_surface_tiles(const PixelTiles& tiles, const Control& control,
+                       const std::function<void(std::size_t, const TileSurface<Value>&)>& visit);
+
+/// The same for the whole picture. @param out row-major, channels interleaved.
+template <class Value>
+void surface_at_pixels(const PixelTiles& tiles, const Control& control, std::span<Value> out);
+
+/// The surface at any points of the closed domain, on all threads allowed; where a side must be chosen, as
+/// Basis::evaluate() does. @param out point by point, channels interleaved.
+void surface_at_points(const Basis& basis, const Control& control, std::span<const Vec2> points,
+                       std::span<double> out);
+
+/// The surface with its derivatives at a point, limits from the side of `direction`.
+/// @param out one per channel.
+void surface_jets(const Basis& basis, const Control& control, Vec2 u, Vec2 direction, std::span<Jet> out);
+
+}  // namespace knotreel::spline

@@ -1,0 +1,131 @@
+#include "knotreel/spline/surface.h"
+
+#include <algorithm>
+
+#include "knotreel/base/parallel.h"
+#include "spline/jet.h"
+#include "spline/tent.h"
+#include "spline/tile_terms.h"
+
+namespace knotreel::spline {
+
+namespace {
+
+constexpr std::size_t kPoints = 256;  // of one call of a parallel loop
+
+void add(Plane& sum, double weight, const Plane& p) {
+  sum = {sum.c + weight * p.c, sum.x + weight * p.x, sum.y + weight * p.y};
+}
+
+/// Calls visit(k, control point) for the functions of a piece that there are.
+template <class Visit>
+void for_functions(const Piece& piece, const Control& control, Visit&& visit) {
+  const auto channels = static_cast<std::size_t>(control.channels);
+  for (std::size_t k = 0; k < 3; ++k) {
+    if (piece.functions[k] == kNoFunction) continue;
+    visit(k, control.points.data() + piece.functions[k] * channels);
+  }
+}
+
+/// What terms of a piece are multiplied by, for each channel.
+std::array<Plane, kMaxSurfaceChannels> planes_of(const Piece& piece, const Control& control, Vec2 origin) {
+  std::array<Plane, kMaxSurfaceChannels> planes{};
+  for_functions(piece, control, [&](std::size_t k, const double* point) {
+    const Plane weight = plane_of(piece.weights[k], origin);
+    for (std::size_t c = 0; c < static_cast<std::size_t>(control.channels); ++c)
+      add(planes[c], point[c], weight);
+  });
+  return planes;
+}
+
+}  // namespace
+
+template <class Value>
+void surface_of_tile(const PixelTiles& tiles, std::size_t tile, const Control& control,
+                     TileSurface<Value>& out) {
+  const auto channels = static_cast<std::size_t>(control.channels);
+  out.fill(0);
+  const PieceSet& set = tiles.basis().pieces();
+  TilePlaces<Value> places(tiles, tile);
+  for (const std::uint32_t p : tiles.pieces(tile)) {
+    const auto planes = planes_of(set.pieces[p], control, places.origin());
+    std::array<Share<Value>, kMaxSurfaceChannels> shares;
+    for (std::size_t c = 0; c < channels; ++c)
+      shares[c] = {plane_in<Value>(planes[c]), out.data() + c * kPixels};
+    places.add(set, set.pieces[p], std::span(shares).first(channels), false);
+  }
+}
+
+template void surface_of_tile(const PixelTiles&, std::size_t, const Control&, TileSurface<double>&);
+template void surface_of_tile(const PixelTiles&, std::size_t, const Control&, TileSurface<float>&);
+
+template <class Value>
+void for_surface_tiles(const PixelTiles& tiles, const Control& control,
+                       const std::function<void(std::size_t, const TileSurface<Value>&)>& visit) {
+  const std::size_t columns = tiles.tile_columns();
+  parallel_for(tiles.tile_rows(), [&](std::size_t row) {
+    alignas(64) TileSurface<Value> surface;
+    for (std::size_t t = row * columns; t < (row + 1) * columns; ++t) {
+      surface_of_tile(tiles, t, control, surface);
+      visit(t, surface);
+    }
+  });
+}
+
+template void for_surface_tiles(const PixelTiles&, const Control&,
+                                const std::function<void(std::size_t, const TileSurface<double>&)>&);
+template void for_surface_tiles(const PixelTiles&, const Control&,
+                                const std::function<void(std::size_t, const TileSurface<float>&)>&);
+
+template <class Value>
+void surface_at_pixels(const PixelTiles& tiles, const Control& control, std::span<Value> out) {
+  const auto channels = static_cast<std::size_t>(control.channels);
+  for_surface_tiles<Value>(tiles, control, [&](std::size_t t, const auto& surface) {
+    tiles.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
+      for (std::size_t c = 0; c < channels; ++c) out[pixel * channels + c] = surface[c * kPixels + place];
+    });
+  });
+}
+
+template void surface_at_pixels(const PixelTiles&, const Control&, std::span<double>);
+template void surface_at_pixels(const PixelTiles&, const Control&, std::span<float>);
+
+void surface_at_points(const Basis& basis, const Control& control, std::span<const Vec2> points,
+                       std::span<double> out) {
+  const auto channels = static_cast<std::size_t>(control.channels);
+  const PieceSet& set = basis.pieces();
+  const mesh::KnotMesh& mesh = basis.space().mesh();
+  parallel_for((points.size() + kPoints - 1) / kPoints, [&](std::size_t block) {
+    for (std::size_t i = block * kPoints; i < std::min(points.size(), (block + 1) * kPoints); ++i) {
+      const Vec2 u = points[i];
+      const Vec2 direction = inward_direction(u, mesh.width, mesh.height);
+      double* const sums = out.data() + i * channels;
+      std::fill_n(sums, channels, 0.0);
+      for (const TermIndex::Entry& e : basis.index().at(u)) {
+        if (!basis.index().near(e, u)) continue;
+        const double w = term_value(set.terms[e.term], u, direction);
+        if (w == 0) continue;
+        for_functions(set.pieces[e.piece], control, [&](std::size_t k, const double* point) {
+          const double weight = w * set.pieces[e.piece].weights[k](u);
+          for (std::size_t c = 0; c < channels; ++c) sums[c] += weight * point[c];
+        });
+      }
+    }
+  });
+}
+
+void surface_jets(const Basis& basis, const Control& control, Vec2 u, Vec2 direction, std::span<Jet> out) {
+  const auto channels = static_cast<std::size_t>(control.channels);
+  const PieceSet& set = basis.pieces();
+  std::fill_n(out.begin(), channels, Jet{});
+  for (const TermIndex::Entry& e : basis.index().at(u)) {
+    if (!basis.index().near(e, u)) continue;
+    const Jet w = term_jet(set.terms[e.term], u, direction);
+    if (w == Jet{}) continue;
+    const auto planes = planes_of(set.pieces[e.piece], control, u);
+    for (std::size_t c = 0; c < channels; ++c)
+      add(out[c], multiply(w, {planes[c].c, planes[c].x, planes[c].y, 0, 0, 0}));
+  }
+}
+
+}  // namespace knotreel::spline
