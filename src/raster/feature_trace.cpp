@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <compare>
+#include <cstdint>
 #include <limits>
 
 namespace knotreel::raster {
@@ -93,15 +95,32 @@ class FeatureTrace::PixelWalk {
     add(right, depth + 1);
   }
 
-  std::vector<std::uint64_t> sorted() {
-    std::sort(keys_.begin(), keys_.end());
-    keys_.erase(std::unique(keys_.begin(), keys_.end()), keys_.end());
-    return std::move(keys_);
+  std::vector<CrossedPixel> pixels() {
+    std::sort(meetings_.begin(), meetings_.end());
+    std::vector<CrossedPixel> result;
+    std::vector<Chord> chords;
+    for (std::size_t i = 0; i < meetings_.size();) {
+      const auto [y, x, first] = meetings_[i];
+      chords.clear();
+      for (; i < meetings_.size() && meetings_[i].y == y && meetings_[i].x == x; ++i)
+        chords.push_back(chords_[meetings_[i].chord]);
+      result.push_back({x, y, split_pixel(chords, x, y)});
+    }
+    return result;
   }
 
  private:
   static constexpr double kChord = 0.5;  // longest, in grid pixels
   static constexpr int kMaxDepth = 48;   // halves any finite length that matters to below a chord
+
+  /// Of a chord with a pixel.
+  struct Meeting {
+    int y;
+    int x;
+    std::uint32_t chord;
+
+    auto operator<=>(const Meeting&) const = default;
+  };
 
   void add_chord(Vec2 from, Vec2 to) {
     const auto pixel = [](double v, int low, int high) {
@@ -111,17 +130,18 @@ class FeatureTrace::PixelWalk {
     const int x1 = pixel(std::max(from.x, to.x), column_begin_, column_end_ - 1);
     for (int y = pixel(std::min(from.y, to.y), row_begin_, row_end_ - 1); y <= y1; ++y) {
       for (int x = pixel(std::min(from.x, to.x), column_begin_, column_end_ - 1); x <= x1; ++x) {
-        if (!crosses(from, to, x, y)) continue;
-        keys_.push_back((static_cast<std::uint64_t>(y) << 32) | static_cast<std::uint32_t>(x));
+        if (crosses(from, to, x, y)) meetings_.push_back({y, x, static_cast<std::uint32_t>(chords_.size())});
       }
     }
+    chords_.push_back({from, to});
   }
 
   int row_begin_;
   int row_end_;
   int column_begin_;
   int column_end_;
-  std::vector<std::uint64_t> keys_;
+  std::vector<Chord> chords_;
+  std::vector<Meeting> meetings_;
 };
 
 std::pair<FeatureTrace::Curve, FeatureTrace::Curve> FeatureTrace::Curve::halves() const {
@@ -137,15 +157,14 @@ std::pair<FeatureTrace::Curve, FeatureTrace::Curve> FeatureTrace::Curve::halves(
   return {left, right};
 }
 
-std::vector<std::uint64_t> FeatureTrace::crossed_pixels(double pixel_width, double pixel_height,
-                                                        int row_begin, int row_end, int column_begin,
-                                                        int column_end) const {
+std::vector<CrossedPixel> FeatureTrace::crossed_pixels(double pixel_width, double pixel_height, int row_begin,
+                                                       int row_end, int column_begin, int column_end) const {
   PixelWalk walk(row_begin, row_end, column_begin, column_end);
   for (Curve curve : curves_) {
     for (Vec2& c : curve.control) c = {c.x / pixel_width, c.y / pixel_height};
     walk.add(curve);
   }
-  return walk.sorted();
+  return walk.pixels();
 }
 
 double FeatureTrace::distance(Vec2 x, int steps) const {

@@ -1,13 +1,20 @@
 #pragma once
 
 #include <array>
-#include <cstdint>
+#include <optional>
 #include <utility>
 #include <vector>
 
+#include "raster/pixel_split.h"
 #include "raster/surface.h"
 
 namespace knotreel::raster {
+
+struct CrossedPixel {
+  int x;
+  int y;
+  std::optional<PixelParts> parts;  ///< of split_pixel()
+};
 
 /// The feature curves in the image: between two neighbouring knots of a segment the trace of the surface's
 /// geometry is one polynomial curve of the degree of the surface, kept in Bezier form.
@@ -15,11 +22,11 @@ class FeatureTrace {
  public:
   FeatureTrace(const Surface& surface, const mesh::KnotMesh& mesh);
 
-  /// Pixels of a grid that the curves cross, as keys (row << 32 | column), sorted, each once. Curves are
-  /// followed by chords of half a pixel, so a pixel whose corner a curve only grazes may be missing.
+  /// Pixels of a grid that the curves cross, row by row, each once. Curves are followed by chords of half a
+  /// pixel, so a pixel whose corner a curve only grazes may be missing.
   /// @param pixel_width, pixel_height of a grid pixel, in pixels of the model.
-  std::vector<std::uint64_t> crossed_pixels(double pixel_width, double pixel_height, int row_begin,
-                                            int row_end, int column_begin, int column_end) const;
+  std::vector<CrossedPixel> crossed_pixels(double pixel_width, double pixel_height, int row_begin,
+                                           int row_end, int column_begin, int column_end) const;
 
   /// Distance from x to the nearest point of a polyline with `steps` pieces per curve; for the reference
   /// renderer.

@@ -14,6 +14,10 @@ struct Part {
   std::size_t channels;
   float* out;
 
+  bool contains(int x, int y) const {
+    return y >= row_begin && y < row_end && x >= column_begin && x < column_end;
+  }
+
   float* at(int x, int y) const {
     const auto columns = static_cast<std::size_t>(column_end - column_begin);
     const std::size_t pixel =

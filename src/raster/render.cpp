@@ -27,15 +27,11 @@ constexpr int kPlacedSide = spline::PixelValues::kSide;
 // The places of the pixels of larger pictures are not found for all of them at once, to save memory.
 constexpr double kMostPlaced = 1 << 22;
 
-/// Pixels in the order of rows.
-std::uint64_t pixel_at(int x, int y) {
-  return (static_cast<std::uint64_t>(y) << 32) | static_cast<std::uint32_t>(x);
-}
-int column_of(std::uint64_t pixel) {
-  return static_cast<int>(pixel & 0xffffffffu);
-}
-int row_of(std::uint64_t pixel) {
-  return static_cast<int>(pixel >> 32);
+/// The first of pixels in the order of rows that does not come before (x, y).
+auto first_from(std::span<const CrossedPixel> pixels, int x, int y) {
+  return std::partition_point(pixels.begin(), pixels.end(), [&](const CrossedPixel& pixel) {
+    return pixel.y < y || (pixel.y == y && pixel.x < x);
+  });
 }
 
 /// 64 points of the unit square, one in each 64th of both axes (Hammersley): coverage of an edge of any
@@ -84,8 +80,8 @@ struct Renderer::State {
   }
 
   void fine_rows(int row_begin, int row_end, int column_begin, int column_end, float* out) const;
-  void draw_block(int tile_x0, int tile_y0, int tile_x1, int tile_y1,
-                  const std::vector<std::uint64_t>& crossed, const Part& part) const;
+  void draw_block(int tile_x0, int tile_y0, int tile_x1, int tile_y1, std::span<const CrossedPixel> crossed,
+                  const Part& part) const;
   /// Whether the pixels are those that the surface is fitted to.
   bool is_fitted_size() const { return known || placed; }
 
@@ -94,7 +90,8 @@ struct Renderer::State {
   template <class Value>
   void store_tile(const Value* colours, std::size_t stride, int x0, int y0, const Part& part) const;
   void draw_centres(Tile& tile, int x0, int y0, const Part& part) const;
-  void draw_crossed(Tile& tile, std::span<const std::uint64_t> pixels, const Part& part) const;
+  void draw_crossed(Tile& tile, std::span<const CrossedPixel> pixels, const Part& part) const;
+  void draw_split(Tile& tile, std::span<const CrossedPixel> pixels, const Part& part) const;
   void reduce_row(const float* fine, int columns, float* out) const;
 
   FrameSize size;
@@ -164,42 +161,67 @@ void Renderer::State::draw_placed(int x0, int y0, const Part& part) const {
   store_tile(colours.data(), spline::PixelValues::kTilePixels, x0, y0, part);
 }
 
+/// Means over those pixels of a tile that a curve splits in two: by the colours at the centroids of both
+/// parts.
+void Renderer::State::draw_split(Tile& tile, std::span<const CrossedPixel> pixels, const Part& part) const {
+  alignas(64) std::array<double, kBatch> x;
+  alignas(64) std::array<double, kBatch> y;
+  alignas(64) std::array<double, 4 * kBatch> colours;
+  for (std::size_t first = 0; first < pixels.size();) {
+    std::size_t n = 0;
+    std::size_t last = first;
+    for (; last < pixels.size() && n + 2 <= kBatch; ++last) {
+      if (!pixels[last].parts) continue;
+      for (const PixelPart& side : *pixels[last].parts) {
+        x[n] = side.centre.x * fine_width;
+        y[n++] = side.centre.y * fine_height;
+      }
+    }
+    if (n > 0) tile.colours(x.data(), y.data(), static_cast<int>(n), colours.data());
+    const double* side_colour = colours.data();
+    for (const CrossedPixel& pixel : pixels.subspan(first, last - first)) {
+      if (!pixel.parts) continue;
+      ColourMean mean(channels);
+      for (const PixelPart& side : *pixel.parts) mean.add(side_colour++, kBatch, side.share);
+      if (part.contains(pixel.x, pixel.y)) mean.store(part.at(pixel.x, pixel.y));
+    }
+    first = last;
+  }
+}
+
 /// Means over pixels of a tile that features cross.
-void Renderer::State::draw_crossed(Tile& tile, std::span<const std::uint64_t> pixels,
-                                   const Part& part) const {
+void Renderer::State::draw_crossed(Tile& tile, std::span<const CrossedPixel> pixels, const Part& part) const {
   static const std::array<Vec2, kSamples> pattern = sample_pattern();
   alignas(64) std::array<double, kBatch> x;
   alignas(64) std::array<double, kBatch> y;
   alignas(64) std::array<double, 4 * kBatch> colours;
-  for (const std::uint64_t pixel : pixels) {
-    const int px = column_of(pixel);
-    const int py = row_of(pixel);
+  draw_split(tile, pixels, part);
+  for (const CrossedPixel& pixel : pixels) {
+    if (pixel.parts || !part.contains(pixel.x, pixel.y)) continue;
     for (std::size_t i = 0; i < kSamples; ++i) {
-      x[i] = (px + pattern[i].x) * fine_width;
-      y[i] = (py + pattern[i].y) * fine_height;
+      x[i] = (pixel.x + pattern[i].x) * fine_width;
+      y[i] = (pixel.y + pattern[i].y) * fine_height;
     }
     tile.colours(x.data(), y.data(), kSamples, colours.data());
     ColourMean mean(channels);
     for (std::size_t i = 0; i < kSamples; ++i) mean.add(colours.data() + i, kBatch);
-    mean.store(part.at(px, py));
+    mean.store(part.at(pixel.x, pixel.y));
   }
 }
 
 /// Tiles [tile_x0, tile_x1) x [tile_y0, tile_y1), which share a look-up of terms.
 void Renderer::State::draw_block(int tile_x0, int tile_y0, int tile_x1, int tile_y1,
-                                 const std::vector<std::uint64_t>& crossed, const Part& part) const {
+                                 std::span<const CrossedPixel> crossed, const Part& part) const {
   Tile tile(surface);
   bool is_set = false;
-  std::vector<std::uint64_t> pixels;
+  std::vector<CrossedPixel> pixels;
   for (int ty = tile_y0; ty < tile_y1; ++ty) {
     for (int tx = tile_x0; tx < tile_x1; ++tx) {
       const int x0 = tx * tile_width;
       const int y0 = ty * tile_height;
       pixels.clear();
       for (int y = y0; y < y0 + tile_height && !crossed.empty(); ++y) {
-        const auto first = std::lower_bound(crossed.begin(), crossed.end(), pixel_at(x0, y));
-        pixels.insert(pixels.end(), first,
-                      std::lower_bound(first, crossed.end(), pixel_at(x0 + tile_width, y)));
+        pixels.insert(pixels.end(), first_from(crossed, x0, y), first_from(crossed, x0 + tile_width, y));
       }
       if (placed) draw_placed(x0, y0, part);
       if (is_fitted_size() && pixels.empty()) continue;
@@ -222,14 +244,16 @@ void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, in
                                 float* out) const {
   const Part part{row_begin, row_end, column_begin, column_end, channels, out};
   if (known) copy_known(part);
-  std::vector<std::uint64_t> crossed;
-  if (antialias) {
-    crossed = trace.crossed_pixels(fine_width, fine_height, row_begin, row_end, column_begin, column_end);
-  }
   const int first_column = column_begin / tile_width;
   const int last_column = (column_end - 1) / tile_width;
   const int first_row = row_begin / tile_height;
   const int last_row = (row_end - 1) / tile_height;
+  std::vector<CrossedPixel> crossed;
+  if (antialias) {  // in whole tiles, whose points are worked on together
+    crossed =
+        trace.crossed_pixels(fine_width, fine_height, first_row * tile_height, (last_row + 1) * tile_height,
+                             first_column * tile_width, (last_column + 1) * tile_width);
+  }
   constexpr int kBlockColumns = 8;
   constexpr int kBlockRows = 4;
   const int blocks_per_row = (last_column - first_column) / kBlockColumns + 1;
