@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstring>
+#include <iterator>
 #include <memory>
 #include <numeric>
 #include <optional>
@@ -185,11 +186,8 @@ class TileSums {
     });
   }
 
-  /// Products of the functions of a tile from a number on with the function of that number.
-  /// @param count of functions of the tile.
-  const Value* products(TileIndex::Place place, std::size_t count) const {
-    return products_.get() + product_begin_[place.tile] + row_begin(place.number, count);
-  }
+  /// Products of the functions of a tile, as multiply() leaves them.
+  const Value* products(std::size_t tile) const { return products_.get() + product_begin_[tile]; }
   /// Four channels.
   const Value* right(TileIndex::Place place) const {
     return right_.get() + right_begin_[place.tile] + kChannels * std::size_t{place.number};
@@ -232,76 +230,81 @@ class TileSums {
 };
 
 struct Entry {
-  FunctionIndex row;
+  FunctionIndex column;
   double value;
 };
 
-/// Columns of the matrix, one after the other.
-struct Columns {
+/// Rows of the matrix, one after the other.
+struct Rows {
   std::vector<Entry> entries;
   std::vector<std::size_t> ends;
 };
 
-/// Sums up columns of the matrix; one per thread.
-class ColumnSum {
+/// Sums up rows of the matrix; one per thread.
+class RowSum {
  public:
-  explicit ColumnSum(std::size_t functions) : slots_(functions, {spline::kNoFunction, 0}) {}
+  explicit RowSum(std::size_t functions) : slots_(functions, {spline::kNoFunction, 0}), row_(functions) {}
 
-  /// Appends the lower half of column f, ascending, zeros left out but for the diagonal.
+  /// Appends the lower half of row f: the diagonal, and what is not 0 before it, in any order.
   template <class Value>
   void add(FunctionIndex f, const PixelValues& values, const TileIndex& index, const TileSums<Value>& sums,
-           Columns& columns) {
-    column_.clear();
-    column_.push_back({f, 0.0});
-    slots_[f] = {f, 0};
+           Rows& rows) {
+    Slot* const slots = slots_.data();
+    Entry* const row = row_.data();
+    std::uint32_t count = 1;
+    row[0] = {f, 0.0};
+    slots[f] = {f, 0};
     for (const TileIndex::Place place : index.places(f)) {
       const auto functions = values.functions(place.tile);
-      const Value* products = sums.products(place, functions.size());
-      for (const FunctionIndex g : functions.subspan(place.number)) {
-        Slot& slot = slots_[g];
-        if (slot.column != f) {
-          slot = {f, static_cast<std::uint32_t>(column_.size())};
-          column_.push_back({g, 0.0});
+      const Value* product = sums.products(place.tile) + place.number;
+      std::size_t to_next = functions.size() - 1;
+      for (const FunctionIndex g : functions.first(place.number + 1)) {
+        if (slots[g].row != f) {
+          slots[g] = {f, count};
+          row[count++] = {g, 0.0};
         }
-        column_[slot.at].value += static_cast<double>(*products++);
+        row[slots[g].at].value += static_cast<double>(*product);
+        product += to_next--;
       }
     }
-    std::erase_if(column_, [f](const Entry& e) { return e.value == 0 && e.row != f; });
-    std::sort(column_.begin(), column_.end(), [](const Entry& a, const Entry& b) { return a.row < b.row; });
-    columns.entries.insert(columns.entries.end(), column_.begin(), column_.end());
-    columns.ends.push_back(columns.entries.size());
+    std::copy_if(row, row + count, std::back_inserter(rows.entries),
+                 [f](const Entry& e) { return e.value != 0 || e.column == f; });
+    rows.ends.push_back(rows.entries.size());
   }
 
  private:
-  /// Where a row is in the column.
+  /// Where a column is in the row.
   struct Slot {
-    FunctionIndex column;  ///< for which this holds
+    FunctionIndex row;  ///< for which this holds
     std::uint32_t at;
   };
   std::vector<Slot> slots_;
-  std::vector<Entry> column_;
+  std::vector<Entry> row_;  ///< with room for all functions
 };
 
-/// @param blocks of columns, in order.
-Eigen::SparseMatrix<double> to_matrix(const std::vector<Columns>& blocks, std::size_t functions) {
+/// By columns, with ascending rows. @param blocks of rows, in order.
+Eigen::SparseMatrix<double> to_matrix(const std::vector<Rows>& blocks, std::size_t functions) {
   const auto n = static_cast<Eigen::Index>(functions);
-  std::size_t count = 0;
-  for (const Columns& block : blocks) count += block.entries.size();
+  std::vector<int> end(functions + 1, 0);
+  for (const Rows& block : blocks) {
+    for (const Entry& e : block.entries) ++end[e.column + 1];
+  }
+  std::partial_sum(end.begin(), end.end(), end.begin());
   Eigen::SparseMatrix<double> matrix(n, n);
-  matrix.reserve(static_cast<Eigen::Index>(count));
-  Eigen::Index f = 0;
-  for (const Columns& block : blocks) {
+  matrix.resizeNonZeros(end.back());
+  std::copy(end.begin(), end.end(), matrix.outerIndexPtr());
+  int row = 0;
+  for (const Rows& block : blocks) {
     std::size_t i = 0;
-    for (const std::size_t end : block.ends) {
-      matrix.startVec(f);
-      for (; i < end; ++i) {
-        const Entry& e = block.entries[i];
-        matrix.insertBack(static_cast<Eigen::Index>(e.row), f) = e.value;
+    for (const std::size_t row_end : block.ends) {
+      for (; i < row_end; ++i) {
+        const int at = end[block.entries[i].column]++;
+        matrix.innerIndexPtr()[at] = row;
+        matrix.valuePtr()[at] = block.entries[i].value;
       }
-      ++f;
+      ++row;
     }
   }
-  matrix.finalize();
   return matrix;
 }
 
@@ -320,19 +323,21 @@ NormalEquations assemble_in(const PixelValues& values, const image::Image& targe
   parallel_invoke([&] { index.emplace(values); }, [&] { sums.emplace(values, target, weights); });
   const std::size_t block_size =
       std::max<std::size_t>(64, functions / 64);  // each clears a list of all functions
-  std::vector<Columns> columns((functions + block_size - 1) / block_size);
-  parallel_for(columns.size(), [&](std::size_t block) {
-    ColumnSum column(functions);
+  std::vector<Rows> rows((functions + block_size - 1) / block_size);
+  parallel_for(rows.size(), [&](std::size_t block) {
+    RowSum row(functions);
     for (std::size_t i = block * block_size; i < std::min(functions, (block + 1) * block_size); ++i) {
       const auto f = static_cast<FunctionIndex>(i);
-      column.add(f, values, *index, *sums, columns[block]);
+      row.add(f, values, *index, *sums, rows[block]);
+      std::array<double, kChannels> right{};
       for (const TileIndex::Place place : index->places(f)) {
-        for (Eigen::Index c = 0; c < target.channels; ++c)
-          normal.right(static_cast<Eigen::Index>(f), c) += static_cast<double>(sums->right(place)[c]);
+        for (std::size_t c = 0; c < kChannels; ++c) right[c] += static_cast<double>(sums->right(place)[c]);
       }
+      for (Eigen::Index c = 0; c < target.channels; ++c)
+        normal.right(static_cast<Eigen::Index>(f), c) = right[static_cast<std::size_t>(c)];
     }
   });
-  normal.matrix = to_matrix(columns, functions);
+  normal.matrix = to_matrix(rows, functions);
   return normal;
 }
 

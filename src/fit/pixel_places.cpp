@@ -43,14 +43,28 @@ class Displacements {
     for (const std::uint32_t g : basis.space().geometry_of()) displaced_.push_back(displacement[g] != Vec2{});
   }
 
-  /// @param places none: the centres.
-  Offsets at(std::span<const Vec2> places) const {
-    Offsets offsets(std::size_t(width_) * std::size_t(height_));
+  /// Calls visit(x, y, offset) for all pixels but those in tiles where there is no displacement: tiles in any
+  /// order, on all threads allowed.
+  /// @param places none: the centres. Those of a tile may be changed by the visits of its pixels.
+  template <class Visit>
+  void for_pixels(std::span<const Vec2> places, Visit&& visit) const {
     const PixelTiles tiles(basis_, width_, height_, places, displaced_);
     spline::for_surface_tiles<float>(tiles, {control_, 2}, [&](std::size_t t, const auto& surface) {
-      tiles.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
-        offsets[pixel] = {surface[place], surface[PixelTiles::kTilePixels + place]};
-      });
+      if (tiles.pieces(t).empty() && tiles.at_centres(t)) return;
+      const PixelTiles::Tile tile = tiles.tile(t);
+      for (int y = tile.top; y < tile.bottom; ++y) {
+        auto place = static_cast<std::size_t>((y - tile.top) * PixelTiles::kSide);
+        for (int x = tile.left; x < tile.right; ++x, ++place)
+          visit(x, y, Offset{surface[place], surface[PixelTiles::kTilePixels + place]});
+      }
+    });
+  }
+
+  /// At the centres, row-major.
+  Offsets at_centres() const {
+    Offsets offsets(std::size_t(width_) * std::size_t(height_));
+    for_pixels({}, [&](int x, int y, Offset offset) {
+      offsets[std::size_t(y) * std::size_t(width_) + std::size_t(x)] = offset;
     });
     return offsets;
   }
@@ -124,7 +138,7 @@ class Search {
         height_(height),
         map_(basis, displacement),
         displacements_(basis, displacement, width, height),
-        grid_(displacements_.at({}), width, height),
+        grid_(displacements_.at_centres(), width, height),
         places_(std::size_t(width) * std::size_t(height)) {}
 
   std::vector<Vec2> run() {
@@ -176,19 +190,16 @@ class Search {
 
   /// A step from where the surface takes the places, and which it leaves too far off.
   void step_together() {
-    const Offsets offsets = displacements_.at(places_);
     std::vector<std::vector<std::uint32_t>> far(static_cast<std::size_t>(height_));
-    parallel_for(far.size(), [&](std::size_t y) {
-      for (std::size_t x = 0; x < std::size_t(width_); ++x) {
-        const std::size_t i = y * std::size_t(width_) + x;
-        const Vec2 miss = centre(x, y) - (places_[i] + Vec2{offsets[i].x, offsets[i].y});
-        if (miss == Vec2{}) continue;
-        places_[i] = map_.clamped(places_[i] + step(places_[i], miss));
-        if (dot(miss, miss) <= kExact * kExact) continue;
-        const double bend = static_cast<double>(grid_.bend(static_cast<int>(x), static_cast<int>(y)));
-        if (norm(miss) * std::min(1.0, kLeastBend + bend) > kExact)
-          far[y].push_back(static_cast<std::uint32_t>(i));
-      }
+    displacements_.for_pixels(places_, [&](int x, int y, Offset offset) {
+      const std::size_t i = std::size_t(y) * std::size_t(width_) + std::size_t(x);
+      const Vec2 miss = centre(std::size_t(x), std::size_t(y)) - (places_[i] + Vec2{offset.x, offset.y});
+      if (miss == Vec2{}) return;
+      places_[i] = map_.clamped(places_[i] + step(places_[i], miss));
+      if (dot(miss, miss) <= kExact * kExact) return;
+      const auto bend = static_cast<double>(grid_.bend(x, y));
+      if (norm(miss) * std::min(1.0, kLeastBend + bend) > kExact)
+        far[std::size_t(y)].push_back(static_cast<std::uint32_t>(i));
     });
     for (const auto& row : far) far_.insert(far_.end(), row.begin(), row.end());
   }

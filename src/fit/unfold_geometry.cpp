@@ -4,13 +4,13 @@
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/geometry_fit.h"
+#include "spline/jet.h"
 
 namespace knotreel::fit {
 
 namespace {
 
 using spline::Basis;
-using spline::BasisJet;
 
 // The map may shrink areas to this share; below that it counts as about to fold.
 constexpr double kLeastArea = 0.05;
@@ -72,16 +72,44 @@ void for_samples(const std::vector<Slopes>& blocks, Visit&& visit) {
   }
 }
 
+/// Adds to the slope of a group, which is among those from `first` on or comes behind them.
+void add(std::vector<Slope>& slopes, std::size_t first, const Slope& more) {
+  std::size_t i = first;
+  while (i < slopes.size() && slopes[i].group != more.group) ++i;
+  if (i == slopes.size()) {
+    slopes.push_back(more);
+  } else {
+    slopes[i].dx += more.dx;
+    slopes[i].dy += more.dy;
+  }
+}
+
+void append_slopes(const Basis& basis, const Sample& sample, std::vector<Slope>& slopes) {
+  const std::size_t first = slopes.size();
+  const spline::PieceSet& set = basis.pieces();
+  for (const spline::TermIndex::Entry& e : basis.index().at(sample.u)) {
+    if (!basis.index().near(e, sample.u)) continue;
+    const spline::Jet w = term_jet(set.terms[e.term], sample.u, sample.direction);
+    if (w.value == 0 && w.dx == 0 && w.dy == 0) continue;
+    const spline::Piece& piece = set.pieces[e.piece];
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (piece.functions[k] == spline::kNoFunction) continue;
+      const spline::Affine& weight = piece.weights[k];
+      const double value = weight(sample.u);
+      add(slopes, first,
+          {basis.space().geometry_of()[piece.functions[k]], w.dx * value + w.value * weight.nx,
+           w.dy * value + w.value * weight.ny});
+    }
+  }
+}
+
 std::vector<Slopes> slopes_at(const Basis& basis, const std::vector<Sample>& samples) {
   constexpr std::size_t kSamples = 256;
   std::vector<Slopes> blocks((samples.size() + kSamples - 1) / kSamples);
   parallel_for(blocks.size(), [&](std::size_t b) {
     Slopes& block = blocks[b];
-    std::vector<BasisJet> jets;
     for (std::size_t i = b * kSamples; i < std::min(samples.size(), (b + 1) * kSamples); ++i) {
-      basis.evaluate(samples[i].u, samples[i].direction, jets);
-      for (const BasisJet& j : jets)
-        block.slopes.push_back({basis.space().geometry_of()[j.function], j.jet.dx, j.jet.dy});
+      append_slopes(basis, samples[i], block.slopes);
       block.ends.push_back(block.slopes.size());
     }
   });

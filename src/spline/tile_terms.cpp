@@ -125,25 +125,35 @@ void add_term(const PieceTerm& term, Vec2 origin, const float* places, std::span
 
 /// Distance of a wall, pixels, from which on the precision tells on which side a point is.
 template <class Value>
-constexpr double kClearOfWall = std::is_same_v<Value, double> ? 2 * kOnWall : 1e-4;
+constexpr auto kClearOfWall = static_cast<Value>(std::is_same_v<Value, double> ? 2 * kOnWall : 1e-4);
 
-/// Whether some pixel is nearer to a wall of a tent that has some.
-KNOTREEL_MULTIVERSION
-bool any_on_wall(const Tent& tent, Vec2 origin, const double* x, const double* y, double clear) {
+template <class Value>
+[[gnu::always_inline]] inline bool on_wall_in(const Tent& tent, Vec2 origin, const Value* __restrict x,
+                                              const Value* __restrict y) {
   constexpr std::size_t kLanes = 8;
   for (std::size_t w = 0; w < static_cast<std::size_t>(tent.wall_count); ++w) {
-    const Plane wall = plane_of(tent.walls[w], origin);
-    std::array<double, kLanes> nearest;
-    nearest.fill(std::numeric_limits<double>::max());
+    const PlaneIn<Value> wall = plane_in<Value>(plane_of(tent.walls[w], origin));
+    std::array<Value, kLanes> nearest;
+    nearest.fill(std::numeric_limits<Value>::max());
     for (std::size_t i = 0; i < kPixels; i += kLanes) {
       for (std::size_t l = 0; l < kLanes; ++l) {
-        const double d = std::abs(wall.c + wall.x * x[i + l] + wall.y * y[i + l]);
+        const Value d = std::abs(wall.c + wall.x * x[i + l] + wall.y * y[i + l]);
         nearest[l] = d < nearest[l] ? d : nearest[l];
       }
     }
-    if (*std::min_element(nearest.begin(), nearest.end()) <= clear) return true;
+    if (*std::min_element(nearest.begin(), nearest.end()) <= kClearOfWall<Value>) return true;
   }
   return false;
+}
+
+/// Whether some pixel is nearer to a wall of a tent that has some.
+KNOTREEL_MULTIVERSION
+bool any_on_wall(const Tent& tent, Vec2 origin, const double* places) {
+  return on_wall_in(tent, origin, places, places + kPixels);
+}
+KNOTREEL_MULTIVERSION
+bool any_on_wall(const Tent& tent, Vec2 origin, const float* places) {
+  return on_wall_in(tent, origin, places, places + kPixels);
 }
 
 }  // namespace
@@ -170,9 +180,7 @@ void TilePlaces<Value>::add(const PieceSet& set, const Piece& piece, std::span<c
                             bool clamp) {
   for (std::uint32_t t = piece.term_begin; t < piece.term_end; ++t) {
     const PieceTerm& term = set.terms[t];
-    const bool on_wall = term.tent.wall_count > 0 &&
-                         any_on_wall(term.tent, origin_, exact(), exact() + kPixels, kClearOfWall<Value>);
-    if (on_wall) {
+    if (term.tent.wall_count > 0 && any_on_wall(term.tent, origin_, x_)) {
       add_one_by_one(term, shares, clamp);
     } else {
       add_term(term, origin_, x_, shares, clamp);
