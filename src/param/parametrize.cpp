@@ -23,19 +23,30 @@ constexpr int kMostRounds = 40;
   throw Error(ErrorKind::kInvalidArgument, "cannot parametrize: " + why);
 }
 
-void check(const features::FeatureChains& chains, const features::ImageMesh& mesh,
-           const ParametrizeOptions& o) {
+void check(const features::FeatureChains& chains, const ParametrizeOptions& o) {
   if (chains.width < 1 || chains.height < 1) refuse("the picture has no pixels");
-  const auto squares =
-      static_cast<std::size_t>(chains.width - 1) * static_cast<std::size_t>(chains.height - 1);
-  if (mesh.width != chains.width || mesh.height != chains.height || mesh.diagonals.size() != squares) {
-    refuse("image mesh and feature chains are of different sizes");
-  }
   const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
   if (!positive(o.polyline_distance)) refuse("the distance of polylines must be positive");
   if (!positive(o.polyline_bulge)) refuse("the bulge of polylines must be positive");
   if (!positive(o.tolerance)) refuse("the tolerance must be positive");
   if (!std::isfinite(o.decay) || o.decay < 0) refuse("the decay must be zero or positive");
+}
+
+void check(const features::FeatureChains& chains, const features::ImageMesh& mesh) {
+  const auto squares =
+      static_cast<std::size_t>(chains.width - 1) * static_cast<std::size_t>(chains.height - 1);
+  if (mesh.width != chains.width || mesh.height != chains.height || mesh.diagonals.size() != squares) {
+    refuse("image mesh and feature chains are of different sizes");
+  }
+}
+
+/// Makes polylines of curves. @return how many chains had to go.
+int place(Curves& curves, const ParametrizeOptions& options, Parametrization& result) {
+  int dropped = uncross(curves);
+  simplify(curves, options);
+  dropped += make_planar(curves, options);
+  assemble_polylines(curves, result);
+  return dropped;
 }
 
 class Parametrizer {
@@ -89,12 +100,9 @@ class Parametrizer {
   }
 
   void place_curves() {
-    int dropped = uncross(curves_);
-    simplify(curves_, options_);
-    dropped += make_planar(curves_, options_);
+    const int dropped = place(curves_, options_, result_);
     report_.dropped_chains += dropped;
     if (dropped > 0) solver_.reset();
-    assemble_polylines(curves_, result_);
   }
 
   void solve() {
@@ -129,9 +137,20 @@ class Parametrizer {
 
 }  // namespace
 
+Parametrization first_polylines(const features::FeatureChains& chains, const ParametrizeOptions& options) {
+  check(chains, options);
+  Curves curves = make_curves(chains);
+  Parametrization result;
+  result.width = chains.width;
+  result.height = chains.height;
+  place(curves, options, result);
+  return result;
+}
+
 Parametrization parametrize(const features::FeatureChains& chains, const features::ImageMesh& mesh,
                             const ParametrizeOptions& options, ParametrizeReport* report) {
-  check(chains, mesh, options);
+  check(chains, options);
+  check(chains, mesh);
   Parametrizer parametrizer(chains, mesh, options);
   Parametrization result = parametrizer.run();
   if (report != nullptr) *report = parametrizer.report();

@@ -165,13 +165,16 @@ class Run {
     show("features");
   }
 
-  /// Curves and colours for the chains that there are.
-  void prepare_features() {
+  void fair_features() {
     faired_ = chains_;
+    if (faired_.chains.empty()) return;
     if (options_.fairing) features::fair_chains(faired_, options_.fair);
     progress_.faired = &faired_;
     lap("fair");
     show("fairing");
+  }
+
+  void correct_colours() {
     corrected_ = options_.colour_correction
                      ? features::correct_colours(picture_, faired_, options_.correction)
                      : picture_;
@@ -187,13 +190,30 @@ class Run {
   void map_features() {
     if (!chains_.chains.empty()) limit_features(expected_functions(chains_));
     for (;;) {
-      faired_ = {};
-      if (!chains_.chains.empty()) prepare_features();
+      fair_features();
+      if (has_features()) {
+        const double functions = functions_of_polylines();
+        lap("parametrize");
+        if (limit_features(functions)) continue;
+        correct_colours();
+      }
       parametrize();
       if (!has_features() || !limit_features(expected_functions(EditableMesh(start_mesh_), options_.degree)))
         break;
     }
     make_target();
+  }
+
+  /// About; 0 if the polylines make no sound mesh. Nearly what it is in the end, and known without the map.
+  double functions_of_polylines() const {
+    try {
+      const mesh::KnotMesh mesh =
+          initial_mesh(param::first_polylines(faired_, options_.parametrize), options_.segment_knot_spacing);
+      return expected_functions(EditableMesh(mesh), options_.degree);
+    } catch (const Error& e) {
+      if (e.kind() != ErrorKind::kInvalidArgument) throw;
+      return 0;
+    }
   }
 
   /// Drops chains if they cost too many control points. @return whether it did.

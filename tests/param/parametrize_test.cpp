@@ -129,6 +129,32 @@ TEST(Parametrize, RandomChainsObeyAllLaws) {
   }
 }
 
+TEST(Parametrize, FirstPolylinesAreThoseOfTheResultUnlessItFolded) {
+  int unfolded = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    SCOPED_TRACE(seed);
+    const FeatureChains chains = random_chains(160, 120, 3 + static_cast<int>(seed) / 2, seed);
+    const Parametrization first = first_polylines(chains);
+    ParametrizeReport report;
+    const Parametrization whole = run(chains, {}, &report);
+    EXPECT_EQ(first.width, whole.width);
+    EXPECT_EQ(first.height, whole.height);
+    EXPECT_TRUE(first.position.empty());
+    EXPECT_LE(first.vertices.size(), whole.vertices.size());
+    if (report.rounds > 1) continue;
+    ++unfolded;
+    EXPECT_TRUE(std::equal(first.vertices.begin(), first.vertices.end(), whole.vertices.begin(),
+                           whole.vertices.end(), [](const PolylineVertex& a, const PolylineVertex& b) {
+                             return a.position == b.position && a.place == b.place;
+                           }));
+    EXPECT_TRUE(std::equal(first.polylines.begin(), first.polylines.end(), whole.polylines.begin(),
+                           whole.polylines.end(), [](const Polyline& a, const Polyline& b) {
+                             return a.chain == b.chain && a.vertices == b.vertices && a.closed == b.closed;
+                           }));
+  }
+  EXPECT_GT(unfolded, 5);
+}
+
 TEST(Parametrize, ClosePolylinesKeepTheirSides) {
   // An arc over a chain that lies between the arc and its chord.
   ChainBuilder b(120, 60);
@@ -281,6 +307,9 @@ TEST(Parametrize, MisuseIsRefused) {
     ParametrizeOptions options;
     change(chains, options);
     EXPECT_THROW(parametrize(chains, mesh, options), Error);
+    if (chains.width == mesh.width) {
+      EXPECT_THROW(first_polylines(chains, options), Error);
+    }
   };
   refused([](FeatureChains& c, auto&) { c.width = 31; });
   refused([](FeatureChains& c, auto&) { c.chains[0].points[2].x = 40; });

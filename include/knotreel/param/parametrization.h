@@ -91,4 +91,10 @@ struct ParametrizeReport {
 Parametrization parametrize(const features::FeatureChains& chains, const features::ImageMesh& mesh,
                             const ParametrizeOptions& options = {}, ParametrizeReport* report = nullptr);
 
+/// The polylines that parametrize() begins with, and the samples on them, without the pixels: a small part of
+/// the work. In the end there may be more vertices, where the map would have folded.
+/// @throws Error{kInvalidArgument} as parametrize().
+Parametrization first_polylines(const features::FeatureChains& chains,
+                                const ParametrizeOptions& options = {});
+
 }  // namespace knotreel::param
