@@ -10,14 +10,30 @@
 
 namespace knotreel::document {
 
-StoredMesh stored_mesh(const mesh::KnotMesh& mesh, int knot_bits) {
+namespace {
+
+CanonicalMesh rounded_mesh(const mesh::KnotMesh& mesh, int knot_bits) {
   try {
     CanonicalMesh numbering = canonical_mesh(mesh);
     quantise_knots(numbering, knot_bits);
-    return {std::move(numbering.mesh), std::move(numbering.knot_of)};
+    return numbering;
   } catch (const Malformed& e) {
     throw Error(ErrorKind::kInvalidArgument, std::string("cannot store a frame: ") + e.what());
   }
+}
+
+}  // namespace
+
+StoredMesh stored_mesh(const mesh::KnotMesh& mesh, int knot_bits) {
+  CanonicalMesh numbering = rounded_mesh(mesh, knot_bits);
+  return {std::move(numbering.mesh), std::move(numbering.knot_of)};
+}
+
+StoredSpace stored_space(const std::shared_ptr<const spline::SplineSpace>& space, int knot_bits) {
+  const CanonicalMesh numbering = rounded_mesh(space->mesh(), knot_bits);
+  StoredSpace stored{canonical_space(space, numbering.mesh, numbering), {}};
+  stored.function_of = function_map(*space, *stored.space, numbering);
+  return stored;
 }
 
 void round_displacement(std::vector<Vec2>& displacement, double step) {

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "knotreel/base/error.h"
+#include "knotreel/document/stored_mesh.h"
 #include "knotreel/fit/descend.h"
 #include "knotreel/fit/edge_colours.h"
 #include "knotreel/fit/pixel_places.h"
@@ -477,15 +478,33 @@ class Run {
     lap("descend");
   }
 
+  /// Goes over to the space as documents have it.
+  void store_space() {
+    const document::StoredSpace stored = document::stored_space(surface_.space, options_.knot_bits);
+    const auto channels = static_cast<std::size_t>(picture_.channels);
+    std::vector<double> control;
+    control.reserve(stored.function_of.size() * channels);
+    for (const spline::FunctionIndex f : stored.function_of) {
+      for (std::size_t c = 0; c < channels; ++c) control.push_back(surface_.fit.control[f * channels + c]);
+    }
+    surface_.space = stored.space;
+    surface_.fit.control = std::move(control);
+  }
+
+  void round_displacement() { document::round_displacement(displacement_, options_.displacement_step); }
+
   /// The last geometry, and colours at the very places where the renderer will look for them.
   void finish() {
+    store_space();
     basis_ = std::make_shared<const spline::Basis>(surface_.space);
     const spline::Basis& basis = *basis_;
     if (has_features()) {
       const spline::PixelValues values(basis, picture_.width, picture_.height, places_);
       lap("basis");
       fit_geometry(values);
+      round_displacement();
       report_.geometry_folds = fit::unfold_geometry(basis, displacement_);
+      round_displacement();
       measure_curves(basis);
       lap("unfold");
       places_ = fit::pixel_places(basis, displacement_, picture_.width, picture_.height);

@@ -81,6 +81,31 @@ TEST(Document, AModelOverAStoredMeshIsStoredWithTheSpaceAndTheRoundedGeometryItH
   }
 }
 
+/// The same model over its stored space makes the same file, and is stored with that very space.
+TEST(Document, AStoredSpaceHasTheFunctionsOfTheOneGiven) {
+  constexpr int kBits = 5;
+  for (const testing::MeshCase& c : all_cases()) {
+    SCOPED_TRACE(c.to_text());
+    for (int degree = 1; degree <= 3; ++degree) {
+      const FrameModel given = testing::random_model(c.mesh, degree, 3, kSeed, degree % 2 == 0);
+      const document::StoredSpace stored = document::stored_space(given.space, kBits);
+      FrameModel model = given;
+      model.space = stored.space;
+      ASSERT_EQ(stored.function_of.size(), given.space->function_count());
+      for (std::size_t f = 0; f < stored.function_of.size(); ++f) {
+        const spline::FunctionIndex g = stored.function_of[f];
+        for (std::size_t k = 0; k < 3; ++k) model.colour[3 * f + k] = given.colour[3 * g + k];
+        model.displacement[stored.space->geometry_of()[f]] =
+            given.displacement[given.space->geometry_of()[g]];
+      }
+      EXPECT_EQ(write_document({model}, {.knot_bits = kBits}), write_document({given}, {.knot_bits = kBits}));
+      std::ostringstream out;
+      document::Writer writer(out, testing::info_of(model), {.knot_bits = kBits});
+      EXPECT_EQ(writer.append(model).space, stored.space);
+    }
+  }
+}
+
 TEST(Document, KeepsItsBytesWhenReadAndWrittenAgain) {
   for (const testing::MeshCase& c : all_cases()) {
     SCOPED_TRACE(c.to_text());

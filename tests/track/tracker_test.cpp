@@ -214,7 +214,7 @@ double share_of_changed_colours(double temporal_weight) {
 TEST(Tracker, ColoursStayUntilTheBestAreAStepAway) {
   const double share = share_of_changed_colours(0.5);
   EXPECT_LT(share, 0.03);
-  EXPECT_GT(share_of_changed_colours(0), 3 * share);
+  EXPECT_GT(share_of_changed_colours(0), 1.5 * share);
 }
 
 TEST(Tracker, NoFrameHasMoreControlPointsThanAllowed) {

@@ -2,7 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <sstream>
+
 #include "knotreel/base/error.h"
+#include "knotreel/document/writer.h"
 #include "support/pictures.h"
 #include "vectorize/scenes.h"
 
@@ -133,6 +136,26 @@ TEST(Vectorize, AllDegrees) {
     EXPECT_EQ(v.model.space->degree(), degree);
     EXPECT_LE(v.model.space->function_count(), 400U);
     EXPECT_GT(psnr(picture, v.model), 30) << degree;
+  }
+}
+
+TEST(Vectorize, ModelsAreFittedToTheGeometryThatIsStored) {
+  const image::Image picture = still_life(90, 70);
+  for (int degree = 1; degree <= 3; ++degree) {
+    Options options;
+    options.degree = degree;
+    options.max_control_points = 400;
+    const document::FrameModel model = vectorize_picture(picture, options).model;
+    ASSERT_FALSE(model.space->mesh().segments.empty());
+    std::ostringstream out;
+    document::SequenceInfo info;
+    info.width = picture.width;
+    info.height = picture.height;
+    info.degree = degree;
+    document::Writer writer(out, info);
+    const document::FrameModel stored = writer.append(model);
+    EXPECT_EQ(stored.space, model.space) << degree;
+    EXPECT_EQ(stored.displacement, model.displacement) << degree;
   }
 }
 

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <memory>
 #include <vector>
 
 #include "knotreel/base/vec2.h"
 #include "knotreel/mesh/knot_mesh.h"
+#include "knotreel/spline/space.h"
 
 namespace knotreel::document {
 
@@ -19,6 +21,15 @@ struct StoredMesh {
 /// @param mesh sound. @param knot_bits  the grid is 2^-knot_bits px, or a finer one if faces would flip.
 /// @throws Error{kInvalidArgument} as Writer::append().
 StoredMesh stored_mesh(const mesh::KnotMesh& mesh, int knot_bits);
+
+/// The space over such a mesh, with the links of the space given.
+struct StoredSpace {
+  std::shared_ptr<const spline::SplineSpace> space;
+  std::vector<spline::FunctionIndex> function_of;  ///< by function: its index in the space given
+};
+
+/// @param knot_bits as for stored_mesh(). @throws Error{kInvalidArgument} likewise.
+StoredSpace stored_space(const std::shared_ptr<const spline::SplineSpace>& space, int knot_bits);
 
 /// Rounds displacements as documents do. What is carried and bent for many frames leaves traces of a few
 /// thousandths of a pixel everywhere, which become none; pixels that are not displaced at all cost far less.

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "knotreel/document/writer.h"
 #include "knotreel/features/colour_correction.h"
 #include "knotreel/features/detect.h"
 #include "knotreel/features/fair.h"
@@ -50,6 +51,10 @@ struct Options {
   fit::GeometryFitOptions geometry{};
   bool half_rows = true;  ///< rounds and descent look at pairs of rows: about half the time, -0.1 dB
   int descent_steps = 2;  ///< on the true residual; 0: none
+
+  /// The last fit is to knots and displacements as keyframes of documents have them.
+  int knot_bits = document::EncodeOptions{}.knot_bits;
+  double displacement_step = document::EncodeOptions{}.displacement_step;  ///< pixels
 };
 
 /// 2.75 % of the pixels, but at least 256: for photographs about 0.75 bytes per pixel by
