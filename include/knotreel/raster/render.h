@@ -19,8 +19,8 @@ struct RenderOptions {
   int crop_y = 0;       ///< top of the part to render, in output pixels
   int crop_width = 0;   ///< of the part to render; 0: up to the right end
   int crop_height = 0;  ///< of the part to render; 0: down to the lower end
-  /// Pixels that a feature curve crosses become the mean of 64 samples, each on its own side. Without, every
-  /// pixel takes the colour at its centre.
+  /// Pixels that a feature curve crosses become the mean of both sides, by exact areas where one curve goes
+  /// through nearly straight, else by 64 samples. Without, every pixel takes the colour at its centre.
   bool antialias = true;
 };
 
