@@ -5,6 +5,7 @@
 #include <numbers>
 #include <random>
 
+#include "fit/colour_steps.h"
 #include "fit/normal_equations.h"
 #include "fit/reduced_system.h"
 #include "knotreel/base/parallel.h"
@@ -146,6 +147,28 @@ void BM_SolveReducedFromNearby(benchmark::State& state) {
   });
 }
 
+/// Three channels to multiples of 3 levels, from a solution, with control points before that were a little
+/// off.
+void BM_ColourSteps(benchmark::State& state) {
+  run(state, [&](const Case& c) {
+    const NormalEquations normal = c.normal(c.values());
+    const Matrix p = spline::smooth_corner_prolongation(*c.space, spline::SharedFunctions::kFree);
+    const Eigen::MatrixXd solution = solve_reduced(normal.matrix, p, normal.right);
+    const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> by_row = solution;
+    const std::vector<double> start(by_row.data(), by_row.data() + by_row.size());
+    std::vector<double> before = start;
+    std::mt19937 random(1);
+    std::uniform_real_distribution<double> wrong(-2, 2);
+    for (double& x : before) x += wrong(random);
+    const std::vector<std::uint8_t> moving(static_cast<std::size_t>(solution.rows()), 1);
+    for (auto _ : state) {
+      std::vector<double> control = start;
+      descend_in_steps(normal.matrix, normal.right, moving, before, {.step = 3, .reluctance = 0.4}, control);
+      benchmark::DoNotOptimize(control.data());
+    }
+  });
+}
+
 /// All of it but the values of the basis functions.
 template <Precision kPrecision>
 void BM_FitColours(benchmark::State& state) {
@@ -212,6 +235,7 @@ BENCHMARK(BM_Factor)->Apply(sizes);
 BENCHMARK(BM_Resolve)->Apply(sizes);
 BENCHMARK(BM_SolveReduced)->Apply(sizes);
 BENCHMARK(BM_SolveReducedFromNearby)->Apply(sizes);
+BENCHMARK(BM_ColourSteps)->Apply(sizes);
 BENCHMARK(BM_FitColours<Precision::kSingle>)->Apply(sizes);
 BENCHMARK(BM_FitColours<Precision::kDouble>)->Apply(sizes);
 BENCHMARK(BM_KnotGradient)->Apply(sizes);

@@ -3,8 +3,10 @@
 #include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <numeric>
 
+#include "fit/colour_steps.h"
 #include "fit/normal_equations.h"
 #include "fit/reduced_system.h"
 #include "knotreel/base/error.h"
@@ -15,6 +17,10 @@
 namespace knotreel::fit {
 
 namespace {
+
+// How near to the solution control points with a start are looked for, levels, or in steps.
+constexpr double kTolerance = 0.01;
+constexpr double kToleranceOfStep = 0.1;
 
 /// Colours of the picture at the Greville sites: what control points fall back to where pixels say nothing.
 Eigen::MatrixXd greville_colours(const spline::SplineSpace& space, const image::Image& image) {
@@ -51,6 +57,19 @@ Eigen::MatrixXd start_of(std::span<const double> start, const Eigen::MatrixXd& p
     throw Error(ErrorKind::kInvalidArgument, "a fit needs one start per control point");
   const Eigen::Map<const RowMajor> known(start.data(), prior.rows(), prior.cols());
   return known.array().isNaN().select(prior, known);
+}
+
+/// By function: whether it is a column of P, and in no other row of it.
+std::vector<std::uint8_t> on_their_own(const Eigen::SparseMatrix<double>& p) {
+  std::vector<int> in_row(static_cast<std::size_t>(p.rows()), 0);
+  for (Eigen::Index k = 0; k < p.nonZeros(); ++k) ++in_row[static_cast<std::size_t>(p.innerIndexPtr()[k])];
+  std::vector<std::uint8_t> own(in_row.size(), 0);
+  for (int j = 0; j < p.outerSize(); ++j) {
+    const int first = p.outerIndexPtr()[j];
+    const auto row = static_cast<std::size_t>(p.innerIndexPtr()[first]);
+    if (p.outerIndexPtr()[j + 1] - first == 1 && in_row[row] == 1) own[row] = 1;
+  }
+  return own;
 }
 
 template <class Value>
@@ -116,10 +135,16 @@ ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
   // min |A c - b|^2 + ridge |c - prior|^2 over c = P z.
   const Eigen::MatrixXd prior = greville_colours(space, image);
   const Eigen::MatrixXd right = normal.right + ridge * prior;
-  const Eigen::MatrixXd control = solve_reduced(normal.matrix, p, right, start_of(options.start, prior));
+  const double tolerance = std::max(kTolerance, kToleranceOfStep * options.step);
+  const Eigen::MatrixXd control =
+      solve_reduced(normal.matrix, p, right, start_of(options.start, prior), tolerance);
   ColourFit fit;
   fit.control.resize(static_cast<std::size_t>(control.size()));
   Eigen::Map<RowMajor>(fit.control.data(), control.rows(), control.cols()) = control;
+  if (options.step > 0) {
+    descend_in_steps(normal.matrix, right, on_their_own(p), options.start, {options.step, options.reluctance},
+                     fit.control);
+  }
   if (options.find_residual) {
     fit.residual = single ? residual_in<float>(values, image, fit.control)
                           : residual_in<double>(values, image, fit.control);

@@ -24,7 +24,7 @@ constexpr double kStep = 1e-5;  // pixels, for differences of coefficients
 // Bands of tiles have sums of their own for the terms that they meet.
 constexpr std::size_t kLeastRows = 4;  // of tiles
 constexpr std::size_t kMostBands = 16;
-constexpr std::size_t kPixels = spline::PixelValues::kTilePixels;
+constexpr std::size_t kPixelCount = spline::PixelValues::kTilePixels;
 
 /// Two unit directions in which a knot may move; the second is unused for knots on a line.
 struct Directions {
@@ -57,7 +57,7 @@ std::vector<Directions> free_directions(const mesh::KnotMesh& mesh, std::span<co
 
 /// Residual times weight of the pixels of a tile, channel by channel; none beside the picture.
 struct TileResidual {
-  std::array<std::array<float, kPixels>, 4> channels;
+  std::array<std::array<float, kPixelCount>, 4> channels;
 };
 
 void read_residual(const Pixels& pixels, const ColourFit& fit, const spline::PixelValues& values,
@@ -76,8 +76,8 @@ KNOTREEL_MULTIVERSION
 void project(const TileResidual& residual, const double* control, std::size_t channels, float* __restrict q) {
   for (std::size_t c = 0; c < channels; ++c) {
     const auto weight = static_cast<float>(control[c]);
-    const std::array<float, kPixels>& r = residual.channels[c];
-    for (std::size_t i = 0; i < kPixels; ++i) q[i] = c == 0 ? r[i] * weight : q[i] + r[i] * weight;
+    const std::array<float, kPixelCount>& r = residual.channels[c];
+    for (std::size_t i = 0; i < kPixelCount; ++i) q[i] = c == 0 ? r[i] * weight : q[i] + r[i] * weight;
   }
 }
 
@@ -134,11 +134,11 @@ class Derivatives {
     read_residual(pixels_, fit_, values_, tile, residual);
     const auto channels = static_cast<std::size_t>(pixels_.image->channels);
     thread_local std::vector<float> products;  // residual times control point of each function
-    products.resize((functions.size() + 1) * kPixels);
+    products.resize((functions.size() + 1) * kPixelCount);
     for (std::size_t f = 0; f < functions.size(); ++f)
-      project(residual, &fit_.control[functions[f] * channels], channels, &products[f * kPixels]);
-    const float* const zeros = &products[functions.size() * kPixels];
-    std::fill_n(&products[functions.size() * kPixels], kPixels, 0.0F);
+      project(residual, &fit_.control[functions[f] * channels], channels, &products[f * kPixelCount]);
+    const float* const zeros = &products[functions.size() * kPixelCount];
+    std::fill_n(&products[functions.size() * kPixelCount], kPixelCount, 0.0F);
     const Vec2 corner = values_.corner(tile);
     for (std::size_t i = 0; i < pieces.size(); ++i) {
       if (!movable_[pieces[i]]) continue;
@@ -147,12 +147,12 @@ class Derivatives {
       const float* q[3];
       for (std::size_t k = 0; k < 3; ++k) {
         const std::uint32_t slot = values_.slots(tile)[i][k];
-        q[k] = slot == spline::PixelValues::kNoSlot ? zeros : &products[slot * kPixels];
+        q[k] = slot == spline::PixelValues::kNoSlot ? zeros : &products[slot * kPixelCount];
       }
       const std::span<ShapeGradient> sums = band.of(pieces[i], terms.size());
       const Vec2 offset = corner - origin_of(pieces[i]);
       for (std::size_t t = 0; t < terms.size(); ++t)
-        add_pixels(shape_of(piece, terms[t], corner), x, x + kPixels, q, offset, sums[t]);
+        add_pixels(shape_of(piece, terms[t], corner), x, x + kPixelCount, q, offset, sums[t]);
     }
   }
 

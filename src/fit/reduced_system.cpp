@@ -127,12 +127,12 @@ Eigen::MatrixXd reduced_start(const RowMatrix& p, const Eigen::MatrixXd& x) {
 }  // namespace
 
 Eigen::MatrixXd solve_reduced(const Matrix& lower, const Matrix& p, const Eigen::MatrixXd& right,
-                              const Eigen::MatrixXd& start) {
+                              const Eigen::MatrixXd& start, double tolerance) {
   const RowMatrix rows(p);
   const Matrix reduced = reduce(lower, rows);
   if (start.size() > 0) {
-    const std::optional<Eigen::MatrixXd> z =
-        conjugate_gradients(reduced, p.transpose() * right, reduced_start(rows, start));
+    const std::optional<Eigen::MatrixXd> z = conjugate_gradients(
+        reduced, p.transpose() * right, reduced_start(rows, start), {.tolerance = tolerance});
     if (z) return p * *z;
   }
   const Eigen::CholmodSimplicialLDLT<Matrix, Eigen::Lower> factor(reduced);

@@ -381,9 +381,9 @@ class Tracker::Impl {
     colour.find_residual = false;
     const std::vector<double> before = colours_before(match);
     colour.start = before;
+    colour.step = options_.colour_step * options_.delta_coarseness;
+    colour.reluctance = options_.reluctance;
     colours_ = fit::fit_colours(values(), pixels, colour);
-    hold_colours(before);
-    document::round_colours(colours_.control, options_.colour_step * options_.delta_coarseness);
     surface_ = surface_at(seen_, colours_.control);
     colours_.residual = residual_of(seen_, *surface_);
     lap("colours");
@@ -400,16 +400,6 @@ class Tracker::Impl {
                   colours.begin() + static_cast<std::ptrdiff_t>(f * channels));
     }
     return colours;
-  }
-
-  /// Control points whose colour hardly changes keep that of the frame before: less to store, less to
-  /// flicker.
-  /// @param before of colours_before().
-  void hold_colours(const std::vector<double>& before) {
-    const double hold = std::min(options_.colour_hold, options_.hold_share * last_mec_);
-    for (std::size_t i = 0; i < before.size(); ++i) {
-      if (std::abs(colours_.control[i] - before[i]) < hold) colours_.control[i] = before[i];
-    }
   }
 
   /// Leaves the mesh that the next frame starts from; once in a while, and where the fit has fallen,

@@ -27,8 +27,15 @@ struct ColourFitOptions {
   Precision precision = Precision::kDouble;
   bool find_residual = true;  ///< false: ColourFit has no residual and no squared error
   /// Control points near those of the fit, as in ColourFit::control: from there they are found quicker, to
-  /// some hundredths of a level. NaN: not known. Or none.
+  /// some hundredths of a level or a tenth of `step`. NaN: not known. Or none.
   std::span<const double> start = {};
+  /// > 0: control points are multiples of this, levels, as documents store them; each is rounded with regard
+  /// to what those around it were rounded to.
+  double step = 0;
+  /// With a step: how much a control point that has a start must gain to leave it. It stops short of where it
+  /// would be best by half of this times the step, or by more where few pixels speak for it; so fewer of them
+  /// move for noise. 0 or more.
+  double reluctance = 0;
 };
 
 struct ColourFit {

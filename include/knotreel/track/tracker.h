@@ -43,8 +43,7 @@ struct TrackOptions {
   /// was worse by repair_below, there is one in every frame for a while.
   int bend_interval = 2;
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
-  double colour_hold = 2;     ///< control points keep colours that change by less, levels ...
-  double hold_share = 0.4;    ///< ... and by less than this share of the MEC of the frame before
+  double reluctance = 0.4;    ///< of control points to change their colours, as in fit::ColourFitOptions
   CarryOptions carry{};
   SwapOptions swap{};
   /// When a frame is worse than the one before by this, knots are put where the error is at once, and it is

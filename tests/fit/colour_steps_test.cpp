@@ -1,0 +1,172 @@
+#include "fit/colour_steps.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+
+#include "knotreel/base/error.h"
+
+namespace knotreel::fit {
+namespace {
+
+using Matrix = Eigen::SparseMatrix<double>;
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+constexpr std::uint64_t kSeed = 20261124;
+constexpr double kStep = 3;
+constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+
+/// The normal equations of B-splines of degree 2 with three pixels to a knot, and some noise.
+struct System {
+  Matrix lower;
+  Eigen::MatrixXd right;
+  RowMajor solution;
+};
+
+System quadratic_splines(int n, int channels, std::mt19937_64& random) {
+  std::uniform_real_distribution<double> level(0, 255);
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(3 * n, n);
+  for (int i = 0; i < 3 * n; ++i) {
+    for (int j = 0; j < n; ++j) {
+      const double t = std::abs((i + 0.5) / 3 - (j + 0.5));
+      if (t < 0.5) a(i, j) = 0.75 - t * t;
+      if (t >= 0.5 && t < 1.5) a(i, j) = 0.5 * (1.5 - t) * (1.5 - t);
+    }
+  }
+  const Eigen::MatrixXd b = Eigen::MatrixXd::NullaryExpr(3 * n, channels, [&] { return level(random); });
+  const Eigen::MatrixXd matrix = a.transpose() * a;
+  const Eigen::MatrixXd right = a.transpose() * b;
+  return {Eigen::MatrixXd(matrix.triangularView<Eigen::Lower>()).sparseView(), right,
+          matrix.llt().solve(right)};
+}
+
+std::vector<double> numbers(const RowMajor& m) {
+  return {m.data(), m.data() + m.size()};
+}
+
+/// What descend_in_steps() makes small, of all channels.
+double objective(const System& s, const std::vector<double>& control, const std::vector<double>& before,
+                 double reluctance) {
+  const Eigen::Map<const RowMajor> c(control.data(), s.right.rows(), s.right.cols());
+  const Eigen::MatrixXd ac = s.lower.selfadjointView<Eigen::Lower>() * Eigen::MatrixXd(c);
+  const double least = ColourSteps{}.least_weight * s.lower.diagonal().mean();
+  double sum = (c.array() * (ac - 2 * s.right).array()).sum();
+  for (std::size_t i = 0; i < before.size(); ++i) {
+    if (std::isnan(before[i])) continue;
+    const auto row = static_cast<Eigen::Index>(i) / s.right.cols();
+    const double old = std::round(before[i] / kStep) * kStep;
+    sum += reluctance * kStep * std::max(least, s.lower.coeff(row, row)) * std::abs(control[i] - old);
+  }
+  return sum;
+}
+
+std::vector<double> rounded(std::vector<double> control) {
+  for (double& c : control) c = std::round(c / kStep) * kStep;
+  return control;
+}
+
+TEST(ColourSteps, AreMultiplesThatNoOtherOneNextToThemBeats) {
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> change(-12, 12);
+  for (const double reluctance : {0.0, 0.4, 1.5}) {
+    for (int channels = 1; channels <= 4; ++channels) {
+      const System s = quadratic_splines(40, channels, random);
+      std::vector<double> before = numbers(s.solution);
+      for (double& b : before) b = change(random) < -8 ? kNone : b + change(random);
+      std::vector<double> control = numbers(s.solution);
+      const std::vector<std::uint8_t> moving(40, 1);
+      // Sweeps are few; from where the last call ended they go on.
+      for (int k = 0; k < 5; ++k)
+        descend_in_steps(s.lower, s.right, moving, before, {kStep, reluctance}, control);
+      const double least = objective(s, control, before, reluctance);
+      EXPECT_LT(least, objective(s, rounded(numbers(s.solution)), before, reluctance));
+      for (std::size_t i = 0; i < control.size(); ++i) {
+        EXPECT_EQ(control[i], std::round(control[i] / kStep) * kStep);
+        for (const double step : {-kStep, kStep}) {
+          std::vector<double> other = control;
+          other[i] += step;
+          EXPECT_GT(objective(s, other, before, reluctance), least - 1e-6) << i << ' ' << reluctance;
+        }
+      }
+    }
+  }
+}
+
+TEST(ColourSteps, LoseLessThanRoundingEachByItself) {
+  std::mt19937_64 random(kSeed);
+  const System s = quadratic_splines(400, 3, random);
+  std::vector<double> control = numbers(s.solution);
+  descend_in_steps(s.lower, s.right, std::vector<std::uint8_t>(400, 1), {}, {kStep, 0}, control);
+  const double best = objective(s, numbers(s.solution), {}, 0);
+  const double by_itself = objective(s, rounded(numbers(s.solution)), {}, 0) - best;
+  EXPECT_LT(objective(s, control, {}, 0) - best, 0.9 * by_itself);
+}
+
+TEST(ColourSteps, StayForChangesThatAreNotWorthIt) {
+  std::mt19937_64 random(kSeed);
+  std::uniform_real_distribution<double> noise(-0.3, 0.3);
+  const System s = quadratic_splines(200, 3, random);
+  const std::vector<double> before = rounded(numbers(s.solution));
+  const RowMajor old = Eigen::Map<const RowMajor>(before.data(), 200, 3);
+  // The best control points are those of before but for a little noise, and for one that is far off.
+  RowMajor wanted = old + RowMajor::NullaryExpr(200, 3, [&] { return noise(random); });
+  wanted(100, 1) += 30;
+  const Eigen::MatrixXd right = s.lower.selfadjointView<Eigen::Lower>() * Eigen::MatrixXd(wanted);
+  std::vector<double> control = numbers(wanted);
+  descend_in_steps(s.lower, right, std::vector<std::uint8_t>(200, 1), before, {kStep, 0.4}, control);
+  for (std::size_t i = 0; i < control.size(); ++i) {
+    if (i == 301) {
+      EXPECT_EQ(control[i], before[i] + 30);
+    } else {
+      EXPECT_EQ(control[i], before[i]) << i;
+    }
+  }
+}
+
+TEST(ColourSteps, StayLongerWhereFewPixelsSpeakForThem) {
+  Eigen::MatrixXd diagonal = Eigen::MatrixXd::Identity(10, 10);
+  diagonal(4, 4) = 0.01;
+  const System s{diagonal.sparseView(), diagonal * Eigen::MatrixXd::Constant(10, 1, 100), {}};
+  const std::vector<double> before(10, 99 - 3 * kStep);
+  std::vector<double> control(10, 100);
+  descend_in_steps(s.lower, s.right, std::vector<std::uint8_t>(10, 1), before, {kStep, 0.4}, control);
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(control[i], i == 4 ? before[i] : 99) << i;
+}
+
+TEST(ColourSteps, OnlyRoundWhatShallNotMove) {
+  std::mt19937_64 random(kSeed);
+  const System s = quadratic_splines(100, 3, random);
+  std::vector<std::uint8_t> moving(100, 1);
+  for (std::size_t i = 0; i < 100; i += 3) moving[i] = 0;
+  std::vector<double> control = numbers(s.solution);
+  descend_in_steps(s.lower, s.right, moving, {}, {kStep, 0}, control);
+  const std::vector<double> alone = rounded(numbers(s.solution));
+  std::size_t moved = 0;
+  for (std::size_t i = 0; i < control.size(); ++i) {
+    moved += control[i] != alone[i];
+    if (!moving[i / 3]) {
+      EXPECT_EQ(control[i], alone[i]);
+    }
+  }
+  EXPECT_GT(moved, 10u);
+}
+
+TEST(ColourSteps, NeedOneOfEverything) {
+  std::mt19937_64 random(kSeed);
+  const System s = quadratic_splines(10, 3, random);
+  std::vector<double> control(30);
+  const std::vector<std::uint8_t> few(9, 1);
+  EXPECT_THROW(descend_in_steps(s.lower, s.right, few, {}, {kStep, 0}, control), Error);
+  const std::vector<std::uint8_t> moving(10, 1);
+  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, std::vector<double>(29), {kStep, 0}, control),
+               Error);
+  control.pop_back();
+  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, {}, {kStep, 0}, control), Error);
+}
+
+}  // namespace
+}  // namespace knotreel::fit
