@@ -160,10 +160,12 @@ void BM_ColourSteps(benchmark::State& state) {
     std::mt19937 random(1);
     std::uniform_real_distribution<double> wrong(-2, 2);
     for (double& x : before) x += wrong(random);
+    const std::vector<double> reluctance(static_cast<std::size_t>(solution.rows()), 0.4);
     const std::vector<std::uint8_t> moving(static_cast<std::size_t>(solution.rows()), 1);
     for (auto _ : state) {
       std::vector<double> control = start;
-      descend_in_steps(normal.matrix, normal.right, moving, before, {.step = 3, .reluctance = 0.4}, control);
+      descend_in_steps(normal.matrix, normal.right, moving, before, {.step = 3, .reluctance = reluctance},
+                       control);
       benchmark::DoNotOptimize(control.data());
     }
   });

@@ -69,9 +69,9 @@ double best_multiple(double best, double before, double reluctance) {
 std::vector<double> reluctance_of(const std::vector<double>& diagonal, const ColourSteps& options) {
   const double sum = std::accumulate(diagonal.begin(), diagonal.end(), 0.0);
   const double least = options.least_weight * sum / static_cast<double>(diagonal.size());
-  std::vector<double> result;
-  result.reserve(diagonal.size());
-  for (const double d : diagonal) result.push_back(options.reluctance * std::max(1.0, least / d));
+  std::vector<double> result(options.reluctance.begin(), options.reluctance.end());
+  result.resize(diagonal.size(), 0.0);
+  for (std::size_t i = 0; i < result.size(); ++i) result[i] *= std::max(1.0, least / diagonal[i]);
   return result;
 }
 
@@ -111,7 +111,8 @@ void descend_in_steps(const Eigen::SparseMatrix<double>& lower, const Eigen::Mat
   const auto n = static_cast<std::size_t>(lower.cols());
   const auto channels = static_cast<std::size_t>(right.cols());
   if (static_cast<std::size_t>(right.rows()) != n || moving.size() != n || control.size() != n * channels ||
-      (!before.empty() && before.size() != control.size()))
+      (!before.empty() && before.size() != control.size()) ||
+      (!options.reluctance.empty() && options.reluctance.size() != n))
     throw Error(ErrorKind::kInvalidArgument, "sizes of a linear system do not fit each other");
   const Rows rows = rows_of(lower);
   const std::vector<double> reluctance = reluctance_of(rows.diagonal, options);

@@ -8,15 +8,15 @@
 namespace knotreel::fit {
 
 struct ColourSteps {
-  double step = 1;        ///< levels, more than 0
-  double reluctance = 0;  ///< as ColourFitOptions::reluctance
+  double step = 1;                       ///< levels, more than 0
+  std::span<const double> reluctance{};  ///< as ColourFitOptions::reluctance
   /// Of the mean of the diagonal: what is less counts as this for the reluctance. A change that few pixels
   /// ask for costs as many bytes as any other. 0 or more.
   double least_weight = 0.2;
 };
 
 /// Takes control points to multiples of a step such that all of them together are near the least of
-/// c^T A c - 2 b^T c + reluctance * step * sum of max(A_ii, least) |c_i - before_i|: each is rounded, then
+/// c^T A c - 2 b^T c + step * sum of reluctance_i max(A_ii, least) |c_i - before_i|: each is rounded, then
 /// one after the other goes to the multiple that is best given those around it, until none moves (a few
 /// sweeps). So what is lost by rounding one is made up for by its neighbours, and one that is hardly better
 /// elsewhere stays. In the sum, before_i is rounded too.

@@ -27,6 +27,7 @@
 #include "track/difficulty.h"
 #include "track/fit_watch.h"
 #include "track/foresee.h"
+#include "track/local_error.h"
 #include "track/matching.h"
 #include "track/placed_pixels.h"
 #include "track/quality.h"
@@ -382,7 +383,8 @@ class Tracker::Impl {
     const std::vector<double> before = colours_before(match);
     colour.start = before;
     colour.step = options_.colour_step * options_.delta_coarseness;
-    colour.reluctance = options_.reluctance;
+    const std::vector<double> reluctance = reluctance_to_change(picture);
+    colour.reluctance = reluctance;
     colours_ = fit::fit_colours(values(), pixels, colour);
     surface_ = surface_at(seen_, colours_.control);
     colours_.residual = residual_of(seen_, *surface_);
@@ -400,6 +402,14 @@ class Tracker::Impl {
                   colours.begin() + static_cast<std::ptrdiff_t>(f * channels));
     }
     return colours;
+  }
+
+  /// By function. What is hit well shows what is left over from the frame before, and has little to flicker.
+  std::vector<double> reluctance_to_change(const image::Image& picture) const {
+    std::vector<double> result =
+        local_errors(*space_, frame_before_.residual, picture.width, picture.height, picture.channels);
+    for (double& r : result) r = options_.reluctance * std::min(1.0, r / options_.reluctance_error);
+    return result;
   }
 
   /// Leaves the mesh that the next frame starts from; once in a while, and where the fit has fallen,

@@ -81,7 +81,8 @@ TEST(ColourSteps, AreMultiplesThatNoOtherOneNextToThemBeats) {
       const std::vector<std::uint8_t> moving(40, 1);
       // Sweeps are few; from where the last call ended they go on.
       for (int k = 0; k < 5; ++k)
-        descend_in_steps(s.lower, s.right, moving, before, {kStep, reluctance}, control);
+        descend_in_steps(s.lower, s.right, moving, before, {kStep, std::vector<double>(40, reluctance)},
+                         control);
       const double least = objective(s, control, before, reluctance);
       EXPECT_LT(least, objective(s, rounded(numbers(s.solution)), before, reluctance));
       for (std::size_t i = 0; i < control.size(); ++i) {
@@ -100,7 +101,7 @@ TEST(ColourSteps, LoseLessThanRoundingEachByItself) {
   std::mt19937_64 random(kSeed);
   const System s = quadratic_splines(400, 3, random);
   std::vector<double> control = numbers(s.solution);
-  descend_in_steps(s.lower, s.right, std::vector<std::uint8_t>(400, 1), {}, {kStep, 0}, control);
+  descend_in_steps(s.lower, s.right, std::vector<std::uint8_t>(400, 1), {}, {kStep}, control);
   const double best = objective(s, numbers(s.solution), {}, 0);
   const double by_itself = objective(s, rounded(numbers(s.solution)), {}, 0) - best;
   EXPECT_LT(objective(s, control, {}, 0) - best, 0.9 * by_itself);
@@ -117,7 +118,8 @@ TEST(ColourSteps, StayForChangesThatAreNotWorthIt) {
   wanted(100, 1) += 30;
   const Eigen::MatrixXd right = s.lower.selfadjointView<Eigen::Lower>() * Eigen::MatrixXd(wanted);
   std::vector<double> control = numbers(wanted);
-  descend_in_steps(s.lower, right, std::vector<std::uint8_t>(200, 1), before, {kStep, 0.4}, control);
+  descend_in_steps(s.lower, right, std::vector<std::uint8_t>(200, 1), before,
+                   {kStep, std::vector<double>(200, 0.4)}, control);
   for (std::size_t i = 0; i < control.size(); ++i) {
     if (i == 301) {
       EXPECT_EQ(control[i], before[i] + 30);
@@ -133,7 +135,8 @@ TEST(ColourSteps, StayLongerWhereFewPixelsSpeakForThem) {
   const System s{diagonal.sparseView(), diagonal * Eigen::MatrixXd::Constant(10, 1, 100), {}};
   const std::vector<double> before(10, 99 - 3 * kStep);
   std::vector<double> control(10, 100);
-  descend_in_steps(s.lower, s.right, std::vector<std::uint8_t>(10, 1), before, {kStep, 0.4}, control);
+  descend_in_steps(s.lower, s.right, std::vector<std::uint8_t>(10, 1), before,
+                   {kStep, std::vector<double>(10, 0.4)}, control);
   for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(control[i], i == 4 ? before[i] : 99) << i;
 }
 
@@ -143,7 +146,7 @@ TEST(ColourSteps, OnlyRoundWhatShallNotMove) {
   std::vector<std::uint8_t> moving(100, 1);
   for (std::size_t i = 0; i < 100; i += 3) moving[i] = 0;
   std::vector<double> control = numbers(s.solution);
-  descend_in_steps(s.lower, s.right, moving, {}, {kStep, 0}, control);
+  descend_in_steps(s.lower, s.right, moving, {}, {kStep}, control);
   const std::vector<double> alone = rounded(numbers(s.solution));
   std::size_t moved = 0;
   for (std::size_t i = 0; i < control.size(); ++i) {
@@ -160,12 +163,13 @@ TEST(ColourSteps, NeedOneOfEverything) {
   const System s = quadratic_splines(10, 3, random);
   std::vector<double> control(30);
   const std::vector<std::uint8_t> few(9, 1);
-  EXPECT_THROW(descend_in_steps(s.lower, s.right, few, {}, {kStep, 0}, control), Error);
+  EXPECT_THROW(descend_in_steps(s.lower, s.right, few, {}, {kStep}, control), Error);
   const std::vector<std::uint8_t> moving(10, 1);
-  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, std::vector<double>(29), {kStep, 0}, control),
+  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, std::vector<double>(29), {kStep}, control), Error);
+  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, {}, {kStep, std::vector<double>(9, 0.4)}, control),
                Error);
   control.pop_back();
-  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, {}, {kStep, 0}, control), Error);
+  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, {}, {kStep}, control), Error);
 }
 
 }  // namespace

@@ -32,10 +32,10 @@ struct ColourFitOptions {
   /// > 0: control points are multiples of this, levels, as documents store them; each is rounded with regard
   /// to what those around it were rounded to.
   double step = 0;
-  /// With a step: how much a control point that has a start must gain to leave it. It stops short of where it
-  /// would be best by half of this times the step, or by more where few pixels speak for it; so fewer of them
-  /// move for noise. 0 or more.
-  double reluctance = 0;
+  /// With a step: how much each control point that has a start must gain to leave it; one per function, 0 or
+  /// more, or none: 0. It stops short of where it would be best by half of this times the step, or by more
+  /// where few pixels speak for it; so fewer of them move for noise.
+  std::span<const double> reluctance = {};
 };
 
 struct ColourFit {

@@ -43,7 +43,8 @@ struct TrackOptions {
   /// was worse by repair_below, there is one in every frame for a while.
   int bend_interval = 2;
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
-  double reluctance = 0.4;    ///< of control points to change their colours, as in fit::ColourFitOptions
+  double reluctance = 0.4;    ///< of control points to change their colours (fit::ColourFitOptions) ...
+  double reluctance_error = 1;  ///< ... and less where the frame before was missed by less than this, levels
   CarryOptions carry{};
   SwapOptions swap{};
   /// When a frame is worse than the one before by this, knots are put where the error is at once, and it is
