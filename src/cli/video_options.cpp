@@ -70,7 +70,8 @@ void add_tracking_options(CLI::App& command, track::TrackOptions& options) {
                    "Make every frame from its picture alone, not from the frame before");
   command
       .add_option("--temporal-weight", options.temporal_weight,
-                  "How much of its error a frame keeps where nothing changes, 0 to 1:\nless flicker")
+                  "How much of its error a frame keeps along motion, 0 to 1 (twice\nwhere nothing moves): "
+                  "less flicker")
       ->check(CLI::Range(0.0, 1.0).description(""))
       ->type_name("W")
       ->capture_default_str();

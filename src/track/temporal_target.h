@@ -10,9 +10,11 @@ namespace knotreel::track {
 
 /// The picture without a share of what the frame before missed, taken along the motion: the surface is asked
 /// for what changes rather than for what it cannot hold, and noise leaves it alone. Where the motion is not
-/// trusted, and on features, the picture itself.
+/// trusted, and on features, the picture itself. Where nothing moves the share counts twice, 1 - (1 -
+/// share)^2, but not of what was missed by far more than elsewhere: an edge out of place is to be mended.
+/// Thread safe.
 /// @param residual picture minus surface of the frame before, row-major, channels interleaved.
-/// @param weights  of its pixels, empty: all 1. @param share 0 to 1.
+/// @param weights  of its pixels, empty: all 1. @param share 0 to 1, along the motion.
 image::Image temporal_target(const image::Image& picture, std::span<const float> residual,
                              std::span<const float> weights, const Motion& motion, double share);
 

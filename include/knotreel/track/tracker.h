@@ -22,8 +22,10 @@
 namespace knotreel::track {
 
 struct TrackOptions {
-  bool warm_start = true;        ///< false: every frame is made from its picture alone
-  double temporal_weight = 0.5;  ///< of what the frame before missed, 0 to 1: keeps noise from flickering
+  bool warm_start = true;  ///< false: every frame is made from its picture alone
+  /// Share of what the frame before missed that this one is not asked to mend, along motion, 0 to 1: keeps
+  /// noise from flickering. Where nothing moves it counts twice.
+  double temporal_weight = 0.5;
   int keyframe_interval = 250;   ///< most frames of a group, 1 or more
   double scene_threshold = 0.4;  ///< as motion::CutOptions::threshold
   /// While the MEC is above the one asked for, a cold frame is considered when the fit is this many dB worse
@@ -43,7 +45,7 @@ struct TrackOptions {
   /// was worse by repair_below, there is one in every frame for a while.
   int bend_interval = 2;
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
-  double reluctance = 0.4;    ///< of control points to change their colours (fit::ColourFitOptions) ...
+  double reluctance = 0.5;    ///< of control points to change their colours (fit::ColourFitOptions) ...
   double reluctance_error = 1;  ///< ... and less where the frame before was missed by less than this, levels
   CarryOptions carry{};
   SwapOptions swap{};
