@@ -1,10 +1,20 @@
 #include "cli/command.h"
 
+#include <fmt/format.h>
 #include <unistd.h>
 
 #include "knotreel/base/output_file.h"
 
 namespace knotreel::cli {
+
+CLI::Validator within(double low, double high) {
+  const auto check = [low, high](const std::string& text) {
+    double value = 0;
+    if (CLI::detail::lexical_cast(text, value) && value >= low && value <= high) return std::string();
+    return fmt::format("takes a number from {:g} to {:g}, not '{}'", low, high, text);
+  };
+  return {check, ""};
+}
 
 void add_threads_option(CLI::App& command, int& threads) {
   command

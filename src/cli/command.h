@@ -22,6 +22,9 @@ void add_bench_command(CLI::App& program);
 /// Adds `--threads N` to a command; `threads` stays 0 (all cores) if it is not given.
 void add_threads_option(CLI::App& command, int& threads);
 
+/// For check(): a number from `low` to `high`. CLI::Range lets "nan" through.
+CLI::Validator within(double low, double high);
+
 /// Adds `--frame N`.
 void add_frame_option(CLI::App& command, std::uint64_t& frame, const std::string& description);
 

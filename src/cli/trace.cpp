@@ -46,7 +46,8 @@ Trace::~Trace() {
 
 void Trace::write(const std::string& events) {
   const std::string text = events + kTail;
-  if (::pwrite(descriptor_, text.data(), text.size(), end_) != static_cast<ssize_t>(text.size())) {
+  if (descriptor_ < 0 ||
+      ::pwrite(descriptor_, text.data(), text.size(), end_) != static_cast<ssize_t>(text.size())) {
     throw Error(ErrorKind::kOutput, "cannot write '" + path_ + "': " + std::strerror(errno));
   }
   end_ += static_cast<std::int64_t>(events.size());

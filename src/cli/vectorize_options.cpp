@@ -6,6 +6,7 @@
 #include <limits>
 #include <map>
 
+#include "cli/command.h"
 #include "cli/parse.h"
 
 namespace knotreel::cli {
@@ -21,18 +22,6 @@ struct Range {
   double high;
 };
 
-/// CLI::Range lets "nan" through.
-CLI::Validator within(Range range) {
-  const auto check = [range](const std::string& text) {
-    double value = 0;
-    if (CLI::detail::lexical_cast(text, value) && value >= range.low && value <= range.high) {
-      return std::string();
-    }
-    return fmt::format("takes a number from {:g} to {:g}, not '{}'", range.low, range.high, text);
-  };
-  return {check, ""};
-}
-
 /// @param defaults the value without this option, and where presets have others.
 template <typename Number>
 void add_number(CLI::App& command, const std::string& name, std::optional<Number>& value, const char* unit,
@@ -40,7 +29,7 @@ void add_number(CLI::App& command, const std::string& name, std::optional<Number
   command
       .add_option(name, value,
                   fmt::format("{}({:g} to {:g}; default {})", description, range.low, range.high, defaults))
-      ->check(within(range))
+      ->check(within(range.low, range.high))
       ->type_name(unit);
 }
 

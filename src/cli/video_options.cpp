@@ -3,6 +3,7 @@
 #include <charconv>
 #include <cmath>
 
+#include "cli/command.h"
 #include "knotreel/base/error.h"
 
 namespace knotreel::cli {
@@ -42,7 +43,7 @@ void add_video_output_options(CLI::App& command, VideoOutputOptions& options) {
                   "h264, hevc, vp9, av1, ffv1, prores or a name of libav; without, what\nsuits the container")
       ->type_name("NAME");
   command.add_option("--crf", options.crf, "Quality on the encoder's own scale, lower is better")
-      ->check(CLI::Range(0.0, 255.0).description(""))
+      ->check(within(0, 255))
       ->type_name("Q");
   command.add_option("--encoder-preset", options.preset, "Effort of the encoder, such as slow")
       ->type_name("NAME");
@@ -72,7 +73,7 @@ void add_tracking_options(CLI::App& command, track::TrackOptions& options) {
       .add_option("--temporal-weight", options.temporal_weight,
                   "How much of its error a frame keeps along motion, 0 to 1 (twice\nwhere nothing moves): "
                   "less flicker")
-      ->check(CLI::Range(0.0, 1.0).description(""))
+      ->check(within(0, 1))
       ->type_name("W")
       ->capture_default_str();
   command
@@ -84,7 +85,7 @@ void add_tracking_options(CLI::App& command, track::TrackOptions& options) {
   command
       .add_option("--scene-threshold", options.scene_threshold,
                   "How unlike pictures are at a cut, 0 (none are alike) to 1 (no cuts)")
-      ->check(CLI::Range(0.0, 1.0).description(""))
+      ->check(within(0, 1))
       ->type_name("T")
       ->capture_default_str();
 }

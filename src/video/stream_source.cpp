@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string_view>
 
 #include "knotreel/base/error.h"
 #include "stream_description.h"
@@ -20,6 +21,13 @@ const AVCodec* decoder_for(const AVStream& stream) {
   return avcodec_find_decoder(id);
 }
 
+/// MP4 files have their index at their end if nothing else is asked for.
+std::string hint_of_pipe(const AVFormatContext& format) {
+  const bool from_pipe = format.pb && (format.pb->seekable & AVIO_SEEKABLE_NORMAL) == 0;
+  const bool has_index = std::string_view(format.iformat->name).find("mp4") != std::string_view::npos;
+  return from_pipe && has_index ? "; from a pipe, MP4 must have its index at its beginning (faststart)" : "";
+}
+
 }  // namespace
 
 StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
@@ -29,7 +37,9 @@ StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
     warnings_.add(std::to_string(others) + " more video streams are left out");
   }
   ahead_ = decode();
-  if (!ahead_) throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "no frame of it can be decoded");
+  if (!ahead_)
+    throw Error(ErrorKind::kInput,
+                demuxer_.cannot_read() + "no frame of it can be decoded" + hint_of_pipe(*demuxer_.format()));
   info_ = describe_stream(*demuxer_.format(), *demuxer_.video(), *decoder_, *ahead_, options);
   if (std::uint64_t(info_.width) * std::uint64_t(info_.height) > image::kMaxPixels) {
     throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "its frames have too many pixels");

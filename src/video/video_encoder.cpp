@@ -19,9 +19,11 @@ bool has_fixed_rate(const AVOutputFormat& container) {
   return name == "avi" || name == "gxf" || name == "yuv4mpegpipe" || name.starts_with("mxf");
 }
 
-Error refused(const AVCodecContext& encoder, const std::string& name, const WriteOptions& options, int code) {
-  std::string what = "encoder '" + name + "' refuses " + std::to_string(encoder.width) + "x" +
-                     std::to_string(encoder.height) + " " + av_get_pix_fmt_name(encoder.pix_fmt);
+/// @param info of the frames: a failure takes a size away that libav does not allow.
+Error refused(const AVCodecContext& encoder, const StreamInfo& info, const std::string& name,
+              const WriteOptions& options, int code) {
+  std::string what = "encoder '" + name + "' refuses " + std::to_string(info.width) + "x" +
+                     std::to_string(info.height) + " " + av_get_pix_fmt_name(encoder.pix_fmt);
   if (!options.preset.empty()) what += ", preset '" + options.preset + "'";
   return Error(ErrorKind::kInvalidArgument, what + ": " + error_text(code));
 }
@@ -69,7 +71,7 @@ void VideoEncoder::open(const WriteOptions& options) {
   set_quality(*encoder_, dictionary, options);
   const std::string name = encoder_->codec->name;  // a failure takes the codec away
   const int result = avcodec_open2(encoder_.get(), encoder_->codec, dictionary.get());
-  if (result < 0) throw refused(*encoder_, name, options, result);
+  if (result < 0) throw refused(*encoder_, info_, name, options, result);
 }
 
 void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64_t duration,

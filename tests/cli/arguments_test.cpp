@@ -63,6 +63,11 @@ TEST(Cli, WrongUsageIsExit2) {
       {"vectorize", "x.png"},
       {"transcode", "x.mp4"},
       {"transcode", "x.mp4", "-o", "y.mp4", "--temporal-weight", "2"},
+      {"transcode", "x.mp4", "-o", "y.mp4", "--temporal-weight", "nan"},
+      {"transcode", "x.mp4", "-o", "y.mp4", "--scene-threshold", "nan"},
+      {"transcode", "x.mp4", "-o", "y.mp4", "--crf", "nan"},
+      {"batch", "x", "-o", "y", "--alone-above", "nan"},
+      {"bench", "--threshold", "nan", "--compare", "x", "y"},
       {"transcode", "x.mp4", "-o", "y.mp4", "--image-rate", "fast"},
   };
   for (const auto& arguments : cases) {

@@ -112,7 +112,9 @@ TEST_F(CliTrace, ItIsWholeAfterAnySignal) {
 }
 
 TEST_F(CliTrace, WhereNoneCanBeWrittenIsExit4) {
-  test::expect_failure(knotreel({"transcode", clip_, "-f", "null", "--trace", path("no/t.json")}), 4);
+  const auto result = knotreel({"transcode", clip_, "-f", "null", "--trace", path("no/t.json")});
+  test::expect_failure(result, 4);
+  EXPECT_NE(result.err.find("No such file or directory"), std::string::npos) << result.err;
   test::expect_failure(knotreel({"transcode", clip_, "-f", "null", "--trace", "/dev/full"}), 4);
 }
 

@@ -155,6 +155,32 @@ TEST_F(CliVideo, AVideoMayComeThroughAPipe) {
   expect_failure(knotreel({"vectorize", "-", "-o", document_}, {.input = "neither"}), 3);
 }
 
+/// An MP4 file as large as real ones: bytes that nobody asks for come between the packets and the index.
+std::string with_distant_index(std::string mp4) {
+  constexpr std::size_t kPadding = 1 << 20;
+  const std::size_t packets = mp4.find("mdat") - 4, index = mp4.find("moov") - 4;
+  mp4.insert(index, kPadding, '\0');
+  const std::size_t size = index + kPadding - packets;
+  for (int i = 0; i < 4; ++i) mp4[packets + std::size_t(i)] = char(size >> (24 - 8 * i) & 0xff);
+  return mp4;
+}
+
+TEST_F(CliVideo, AnMp4FromAPipeNeedsItsIndexFirst) {
+  expect_success(knotreel({"transcode", clip_, "-o", path("o.mp4"), "--preset", "fast"}));
+  const std::string mp4 = with_distant_index(read_text(path("o.mp4")));
+  const auto result = knotreel({"vectorize", "-", "-o", document_}, {.input = mp4});
+  expect_failure(result, 3);
+  EXPECT_NE(result.err.find("faststart"), std::string::npos) << result.err;
+  test::write_text(path("o.mp4"), mp4);
+  expect_success(knotreel({"vectorize", path("o.mp4"), "-o", document_, "--preset", "fast"}));
+}
+
+TEST_F(CliVideo, ASizeThatNoEncoderTakesIsNamed) {
+  const auto result = knotreel({"transcode", clip_, "-o", path("o.mp4"), "--size", "100000x100000"});
+  expect_failure(result, 2);
+  EXPECT_NE(result.err.find("100000x100000"), std::string::npos) << result.err;
+}
+
 TEST_F(CliVideo, DebugPicturesHaveAFolderPerFrame) {
   expect_success(
       knotreel({"vectorize", clip_, "-o", document_, "--preset", "fast", "--debug-dir", path("stages")}));

@@ -93,7 +93,7 @@ void add_effort(CLI::App& command, Arguments& arguments) {
   command
       .add_option("--alone-above", arguments.alone_above,
                   "Pictures of more megapixels are worked on alone, for their memory")
-      ->check(CLI::Range(0.0, 1000.0).description(""))
+      ->check(within(0, 1000))
       ->type_name("MP")
       ->capture_default_str();
   command.add_flag("-v,--verbose", arguments.verbose, "A line for every picture");

@@ -180,7 +180,7 @@ void add_reports(CLI::App& command, Arguments& arguments) {
       ->expected(2)
       ->type_name("BEFORE AFTER");
   command.add_option("--threshold", arguments.threshold, "Of --compare, in percent; PSNR: always 0.2 dB")
-      ->check(CLI::Range(0.0, 1000.0).description(""))
+      ->check(within(0, 1000))
       ->type_name("P")
       ->capture_default_str();
   command
