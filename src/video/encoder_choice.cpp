@@ -49,6 +49,10 @@ const AVCodec* default_of(const AVOutputFormat& container) {
   return avcodec_find_encoder(container.video_codec);
 }
 
+/// Pixels. libav decodes slices of FFV1 that are a row high a row too low, and refuses some that are a column
+/// wide; pictures of a row or a column come back black.
+constexpr int kSmallForSlices = 16;
+
 bool lossless_rgb(const AVCodec& encoder) {
   return encoder.id == AV_CODEC_ID_FFV1 || encoder.id == AV_CODEC_ID_RAWVIDEO;
 }
@@ -95,6 +99,7 @@ std::vector<AVPixelFormat> y4m_formats() {
 
 bool fits_size(const AVCodec& encoder, AVPixelFormat format, const StreamInfo& frames) {
   const std::string name = encoder.name;
+  if (encoder.id == AV_CODEC_ID_FFV1 && std::min(frames.width, frames.height) < 2) return false;
   if (name != "libx264" && name != "libx265" && name != "prores_ks") return true;
   const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
   if (is_rgb(description) || is_grey(description)) return true;
@@ -221,6 +226,10 @@ void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOption
   if (name == "ffv1") {
     encoder.gop_size = 1;
     encoder.level = 3;
+    if (std::min(encoder.width, encoder.height) < kSmallForSlices) {
+      encoder.slices = 1;
+      dictionary.set("coder", "1");
+    }
   }
 }
 

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "clips.h"
+#include "knotreel/base/error.h"
 #include "support/pictures.h"
 #include "support/temp_dir.h"
 
@@ -46,6 +47,27 @@ INSTANTIATE_TEST_SUITE_P(Formats, Lossless,
                                          Exact{"rgb24", 3, 8}, Exact{"gbrp", 3, 8}, Exact{"rgba", 4, 8},
                                          Exact{"rgb48le", 3, 16}, Exact{"gbrp16le", 3, 16},
                                          Exact{"rgba64le", 4, 16}, Exact{"", 3, 8}, Exact{"", 1, 8}));
+
+TEST(Ffv1, KeepsTinyPicturesOrRefusesThem) {
+  const TempDir dir;
+  const std::string path = dir / "a.mkv";
+  for (const char* format : {"gray", "rgb24"}) {
+    const int channels = format == std::string("gray") ? 1 : 3;
+    for (unsigned i = 0; i < 49; ++i) {
+      const int width = 1 + static_cast<int>(i % 7), height = 1 + static_cast<int>(i / 7);
+      ClipSpec clip = moving_pattern(width, height, channels, 1);
+      clip.info.pixel_format = format;
+      clip.images[0] = test::random_8bit_picture(width, height, channels, i);
+      if (std::min(width, height) == 1) {
+        EXPECT_THROW(write_clip(path, clip, with_codec("ffv1")), Error);
+        continue;
+      }
+      write_clip(path, clip, with_codec("ffv1"));
+      EXPECT_LE(largest_difference(read_clip(path).frames.at(0).image, clip.images[0]), 1e-4)
+          << format << " " << width << "x" << height;
+    }
+  }
+}
 
 struct Kept {
   const char* file;
