@@ -359,11 +359,41 @@ void EditableMesh::undo_flips(std::span<const std::array<KnotIndex, 2>> edges) {
 }
 
 bool EditableMesh::remove(KnotIndex k) {
-  if (knots_[k].kind != KnotKind::kFree) return false;
+  const bool on_border = knots_[k].kind == KnotKind::kBorder;
+  if (knots_[k].kind != KnotKind::kFree && !on_border) return false;
+  if (!flip_to_degree(k, on_border ? 2 : 3)) return false;
   std::vector<FaceIndex> ring;
   faces_around(k, ring);
+  // The faces around the knot become one. Each has an outer edge, opposite the knot; on the border the third
+  // edge is a piece of the side.
+  std::array<KnotIndex, 3> v;
+  std::array<FaceIndex, 3> n{kNoFace, kNoFace, kNoFace};
+  std::array<std::uint32_t, 3> s{kNoSegment, kNoSegment, kNoSegment};
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    const auto at = static_cast<std::size_t>(corner_of(ring[i], k));
+    v[i] = faces_[ring[i]][next(at)];
+    if (on_border) v[i + 1] = faces_[ring[i]][previous(at)];
+    n[previous(i)] = neighbours_[ring[i]][at];
+    s[previous(i)] = segments_of_[ring[i]][at];
+  }
+  // Face i runs from v[i] to v[i+1], so its outer edge is opposite v[i+2].
+  set_face(ring[0], v, n, s);
+  for (std::size_t i = 1; i < ring.size(); ++i) {
+    replace_neighbour(n[previous(i)], ring[i], ring[0]);
+    faces_[ring[i]] = {kNoKnot, kNoKnot, kNoKnot};
+    free_faces_.push_back(ring[i]);
+  }
+  face_of_[k] = kNoFace;
+  ++removed_knots_;
+  return true;
+}
+
+bool EditableMesh::flip_to_degree(KnotIndex k, std::size_t faces) {
+  std::vector<FaceIndex> ring;
+  faces_around(k, ring);
+  if (ring.size() < faces) return false;
   std::vector<std::array<KnotIndex, 2>> flipped;  // the edges that flips made
-  while (ring.size() > 3) {
+  while (ring.size() > faces) {
     const auto spoke = [&](FaceIndex f) {
       return Edge{f, static_cast<int>(next(static_cast<std::size_t>(corner_of(f, k))))};
     };
@@ -377,25 +407,6 @@ bool EditableMesh::remove(KnotIndex k) {
     flipped.push_back({faces_[made.face][next(side)], faces_[made.face][previous(side)]});
     faces_around(k, ring);
   }
-  // Three faces around the knot become one.
-  std::array<KnotIndex, 3> v;
-  std::array<FaceIndex, 3> n;
-  std::array<std::uint32_t, 3> s;
-  for (std::size_t i = 0; i < 3; ++i) {
-    const auto at = static_cast<std::size_t>(corner_of(ring[i], k));
-    v[i] = faces_[ring[i]][next(at)];
-    n[previous(i)] = neighbours_[ring[i]][at];
-    s[previous(i)] = segments_of_[ring[i]][at];
-  }
-  // Face i runs from v[i] to v[i+1], so its outer edge is opposite v[i+2].
-  set_face(ring[0], v, n, s);
-  for (std::size_t i = 1; i < 3; ++i) {
-    replace_neighbour(n[previous(i)], ring[i], ring[0]);
-    faces_[ring[i]] = {kNoKnot, kNoKnot, kNoKnot};
-    free_faces_.push_back(ring[i]);
-  }
-  face_of_[k] = kNoFace;
-  ++removed_knots_;
   return true;
 }
 

@@ -13,12 +13,20 @@ using mesh::KnotIndex;
 
 namespace {
 
+/// Knots on the border hold the corners of faces that reach far into the picture, more than the linear
+/// approximations tell: with their bare cost, cars that drive into the picture lose 0.2 dB.
+constexpr double kBorderCost = 4;
+
+bool may_go(mesh::KnotKind kind) {
+  return kind == mesh::KnotKind::kFree || kind == mesh::KnotKind::kBorder;
+}
+
 struct Candidate {
   double cost;
   KnotIndex knot;
 };
 
-/// Free knots by what they keep away, the idlest first.
+/// Free and border knots by what they keep away, the idlest first.
 std::vector<Candidate> by_cost(const EditableMesh& mesh, const knots::Target& target) {
   std::vector<double> errors(mesh.face_slots(), 0);
   std::vector<knots::Moments> moments(mesh.face_slots());
@@ -30,7 +38,7 @@ std::vector<Candidate> by_cost(const EditableMesh& mesh, const knots::Target& ta
   std::vector<Candidate> candidates;
   std::vector<FaceIndex> ring;
   for (KnotIndex k = 0; k < mesh.knot_slots(); ++k) {
-    if (!mesh.is_knot(k) || mesh.knot(k).kind != mesh::KnotKind::kFree) continue;
+    if (!mesh.is_knot(k) || !may_go(mesh.knot(k).kind)) continue;
     mesh.faces_around(k, ring);
     knots::Moments all;
     double apart = 0;
@@ -38,7 +46,8 @@ std::vector<Candidate> by_cost(const EditableMesh& mesh, const knots::Target& ta
       all = all + moments[f];
       apart += errors[f];
     }
-    candidates.push_back({std::max(0.0, target.fit(all).error - apart), k});
+    const double factor = mesh.knot(k).kind == mesh::KnotKind::kBorder ? kBorderCost : 1.0;
+    candidates.push_back({factor * std::max(0.0, target.fit(all).error - apart), k});
   }
   std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return a.cost != b.cost ? a.cost < b.cost : a.knot < b.knot;

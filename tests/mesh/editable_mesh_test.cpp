@@ -161,11 +161,51 @@ TEST(EditableMesh, KnotsThatWereMadeDelaunayCanBeRemovedAgain) {
   }
 }
 
-TEST(EditableMesh, OnlyFreeKnotsCanBeRemoved) {
+TEST(EditableMesh, InsertingOnTheBorderAndRemovingRestoresTheMesh) {
+  for (const MeshCase& c : cases()) {
+    SCOPED_TRACE(c.to_text());
+    EditableMesh mesh(c.mesh);
+    const std::vector<Face> faces = mesh.to_mesh().faces;
+    for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
+      for (int i = 0; i < 3; ++i) {
+        if (!mesh.is_face(f) || mesh.neighbour(f, i) != kNoFace) continue;  // faces change their places
+        const Vec2 a = mesh.position(mesh.face(f)[static_cast<std::size_t>((i + 1) % 3)]);
+        const Vec2 b = mesh.position(mesh.face(f)[static_cast<std::size_t>((i + 2) % 3)]);
+        const KnotIndex k = mesh.insert_on_edge({f, i}, a + 0.3 * (b - a));
+        ASSERT_EQ(mesh.knot(k).kind, KnotKind::kBorder);
+        ASSERT_TRUE(mesh.remove(k));
+        EXPECT_FALSE(mesh.is_knot(k));
+        ASSERT_EQ(mesh.to_mesh().faces, faces);
+      }
+    }
+    EXPECT_EQ(positions(mesh.to_mesh()), positions(c.mesh));
+    EXPECT_LE(mesh.face_slots(), faces.size() + 1) << "places of faces are used again";
+  }
+}
+
+TEST(EditableMesh, KnotsOnTheBorderThatWereMadeDelaunayCanBeRemovedAgain) {
+  std::size_t removed = 0;
+  for (const MeshCase& c : cases()) {
+    SCOPED_TRACE(c.to_text());
+    EditableMesh mesh(c.mesh);
+    for (KnotIndex k = 0; k < c.mesh.knots.size(); ++k) mesh.legalise_around(k);
+    for (KnotIndex k = 0; k < c.mesh.knots.size(); ++k) {
+      if (mesh.knot(k).kind != KnotKind::kBorder) continue;
+      const std::size_t before = mesh.knot_count();
+      const bool gone = mesh.remove(k);
+      EXPECT_EQ(mesh.knot_count(), before - (gone ? 1 : 0));
+      removed += gone ? 1 : 0;
+      expect_sound(mesh, "remove from the border");
+    }
+  }
+  EXPECT_GT(removed, 100u);
+}
+
+TEST(EditableMesh, KnotsOfFeaturesCannotBeRemoved) {
   for (const MeshCase& c : cases()) {
     EditableMesh mesh(c.mesh);
     for (KnotIndex k = 0; k < mesh.knot_slots(); ++k) {
-      if (mesh.knot(k).kind == KnotKind::kFree) continue;
+      if (mesh.knot(k).kind == KnotKind::kFree || mesh.knot(k).kind == KnotKind::kBorder) continue;
       EXPECT_FALSE(mesh.remove(k)) << c.to_text();
     }
     EXPECT_EQ(mesh.knot_count(), c.mesh.knots.size());
@@ -192,7 +232,8 @@ TEST(EditableMesh, WhatCannotBeRemovedLeavesTheMeshAsItWas) {
     const std::vector<Face> faces = faces_in_their_places(mesh);
     for (KnotIndex k = 0; k < mesh.knot_slots(); ++k) {
       EditableMesh edited(mesh);
-      if (mesh.knot(k).kind != KnotKind::kFree || edited.remove(k)) continue;
+      const KnotKind kind = mesh.knot(k).kind;
+      if ((kind != KnotKind::kFree && kind != KnotKind::kBorder) || edited.remove(k)) continue;
       ++failed;
       ASSERT_EQ(faces_in_their_places(edited), faces);
       expect_sound(edited, "remove in vain");

@@ -91,7 +91,7 @@ class EditableMesh {
   /// moved along their line (the position is projected onto it).
   /// @return whether it was moved.
   bool move(KnotIndex k, Vec2 position);
-  /// Removes a free knot and closes the hole.
+  /// Removes a free knot, or one of kind kBorder, and closes the hole.
   /// @return whether that was possible; if not, the mesh is as it was.
   bool remove(KnotIndex k);
   /// Where a move to `target` would put the knot: itself, or its projection onto the line of the knot.
@@ -105,6 +105,9 @@ class EditableMesh {
   KnotIndex new_knot(Vec2 position, KnotKind kind);
   int corner_of(FaceIndex f, KnotIndex k) const;
   std::array<KnotIndex, 2> line_neighbours(KnotIndex k) const;
+  /// Flips edges at a knot until it has so many faces. @return whether that was possible; if not, nothing has
+  /// changed.
+  bool flip_to_degree(KnotIndex k, std::size_t faces);
   /// @param edges that flips made, in their order.
   void undo_flips(std::span<const std::array<KnotIndex, 2>> edges);
 

@@ -19,9 +19,10 @@ struct SwapOptions {
 std::vector<double> sorted_face_errors(const mesh::EditableMesh& mesh, std::span<const float> squared_errors,
                                        int width, int height);
 
-/// Takes away free knots that hardly earn their place, as many as there are faces with much more error than
-/// these knots keep away: so many new ones are then worth inserting. A knot keeps away what a single linear
-/// approximation of all its faces would add; a new knot is taken to mend half the error of its face.
+/// Takes away knots, free or on the border, that hardly earn their place, as many as there are faces with
+/// much more error than these knots keep away: so many new ones are then worth inserting. A knot keeps away
+/// what a single linear approximation of all its faces would add; a new knot is taken to mend half the error
+/// of its face.
 /// @param face_errors the largest first.
 /// @param surplus     knots that go in any case, the idlest ones.
 /// @return the number of knots removed.

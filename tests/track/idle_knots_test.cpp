@@ -1,0 +1,53 @@
+#include "knotreel/track/idle_knots.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "support/mesh_cases.h"
+
+namespace knotreel::track {
+namespace {
+
+using mesh::EditableMesh;
+using mesh::KnotKind;
+
+/// Flat, but for a texture below the middle.
+image::Image half_flat(int width, int height) {
+  image::Image picture = image::make_image(width, height, 1);
+  for (int y = 0; y < height; ++y) {
+    for (int x = 0; x < width; ++x)
+      picture.at(x, y, 0) =
+          2 * y < height ? 100.0F : 100 + 80 * std::sin(0.9F * float(x)) * std::sin(0.7F * float(y));
+  }
+  return picture;
+}
+
+std::size_t count(const EditableMesh& mesh, KnotKind kind) {
+  std::size_t result = 0;
+  for (mesh::KnotIndex k = 0; k < mesh.knot_slots(); ++k)
+    result += mesh.is_knot(k) && mesh.knot(k).kind == kind ? 1 : 0;
+  return result;
+}
+
+/// Knots on the border come where the picture asks for them, and would pile up if they never went.
+TEST(IdleKnots, AreThoseWhereThePictureIsFlatOnTheBorderToo) {
+  std::size_t removed_from_border = 0;
+  for (const auto& c : testing::random_cases(29, 10)) {
+    SCOPED_TRACE(c.to_text());
+    EditableMesh mesh(c.mesh);
+    const std::size_t border = count(mesh, KnotKind::kBorder);
+    const std::size_t features = count(mesh, KnotKind::kVertex) + count(mesh, KnotKind::kSegment);
+    const std::size_t knots = mesh.knot_count();
+    const knots::Target target(half_flat(int(mesh.width()), int(mesh.height())), {});
+    const std::size_t removed = remove_idle_knots(mesh, target, {}, {}, knots / 5);
+    EXPECT_EQ(mesh.knot_count(), knots - removed);
+    EXPECT_EQ(count(mesh, KnotKind::kVertex) + count(mesh, KnotKind::kSegment), features);
+    removed_from_border += border - count(mesh, KnotKind::kBorder);
+    EXPECT_FALSE(mesh::find_defect(mesh.to_mesh()));
+  }
+  EXPECT_GT(removed_from_border, 5u);
+}
+
+}  // namespace
+}  // namespace knotreel::track
