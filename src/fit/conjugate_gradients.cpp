@@ -33,31 +33,36 @@ constexpr double kFirstShift = 1e-3;
 constexpr double kMostShift = 0.2;
 constexpr double kLeastPivot = 1e-2;
 
+/// Column j of a factor loses its product with another column.
+/// @param column that other one, scattered: by row, 0 where it has no entry.
+[[gnu::always_inline]] inline void take_off(const int* __restrict row, int count,
+                                            const double* __restrict column, double factor,
+                                            double* __restrict values) {
+  for (int i = 0; i < count; ++i) values[i] -= column[row[i]] * factor;
+}
+
 /// The incomplete Cholesky factor L of a matrix with a larger diagonal, with entries where A has some; but
 /// 1 / L_kk on the diagonal. Empty if a pivot is too small.
+KNOTREEL_MULTIVERSION
 std::vector<double> incomplete_factor(const Columns& a, double shift) {
   std::vector<double> l(a.value, a.value + a.begin[a.count]);
+  std::vector<double> column(static_cast<std::size_t>(a.count), 0.0);
   for (int k = 0; k < a.count; ++k) l[std::size_t(a.begin[k])] *= 1 + shift;
   for (int k = 0; k < a.count; ++k) {
     const int first = a.begin[k];
     const int last = a.begin[k + 1];
     if (!(l[std::size_t(first)] > kLeastPivot * a.value[first])) return {};
     l[std::size_t(first)] = 1 / std::sqrt(l[std::size_t(first)]);
-    for (int i = first + 1; i < last; ++i) l[std::size_t(i)] *= l[std::size_t(first)];
-    for (int j = first + 1; j < last; ++j) {
-      // Column row[j] loses its product with column k, where both have rows.
-      int to = a.begin[a.row[j]];
-      const int end = a.begin[a.row[j] + 1];
-      for (int from = j; from < last && to < end;) {
-        if (a.row[from] == a.row[to]) {
-          l[std::size_t(to++)] -= l[std::size_t(from++)] * l[std::size_t(j)];
-        } else if (a.row[from] < a.row[to]) {
-          ++from;
-        } else {
-          ++to;
-        }
-      }
+    for (int i = first + 1; i < last; ++i) {
+      l[std::size_t(i)] *= l[std::size_t(first)];
+      column[std::size_t(a.row[i])] = l[std::size_t(i)];
     }
+    for (int j = first + 1; j < last; ++j) {
+      const int begin = a.begin[a.row[j]];
+      take_off(a.row + begin, a.begin[a.row[j] + 1] - begin, column.data(), l[std::size_t(j)],
+               l.data() + begin);
+    }
+    for (int i = first + 1; i < last; ++i) column[std::size_t(a.row[i])] = 0;
   }
   return l;
 }
