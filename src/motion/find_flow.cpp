@@ -18,7 +18,6 @@ int preset(FlowOptions::Effort effort) {
       return cv::DISOpticalFlow::PRESET_ULTRAFAST;
     case FlowOptions::Effort::kFast:
       return cv::DISOpticalFlow::PRESET_FAST;
-    case FlowOptions::Effort::kExact:
     case FlowOptions::Effort::kMedium:
       break;
   }
@@ -30,12 +29,6 @@ cv::Ptr<cv::DISOpticalFlow> make_search(FlowOptions::Effort effort) {
   // Spatial propagation is what keeps stripes of patches, and with them the bits, the same for any number of
   // threads; it is the default of all presets.
   search->setUseSpatialPropagation(true);
-  if (effort == FlowOptions::Effort::kExact) {
-    // Half of the size is what makes the flow exact; the rest of the preset hardly matters to knots.
-    search->setPatchStride(5);
-    search->setGradientDescentIterations(8);
-    search->setVariationalRefinementIterations(1);
-  }
   return search;
 }
 
@@ -72,9 +65,7 @@ Flow find_flow(const image::Image& from, const image::Image& to, const FlowOptio
 
 FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& options) {
   check_sizes(from, to);
-  const bool exact =
-      options.effort == FlowOptions::Effort::kExact || options.effort == FlowOptions::Effort::kMedium;
-  const FlowOptions back = exact ? FlowOptions{FlowOptions::Effort::kUltrafast} : options;
+  const FlowOptions back = options.turn_back ? FlowOptions{FlowOptions::Effort::kUltrafast} : options;
   FlowPair pair;
   parallel_for(2, [&](std::size_t direction) {
     if (direction == 0) {
@@ -84,7 +75,7 @@ FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& opt
     }
   });
   pair.consistent_back =
-      exact ? turn_round(pair.forward, pair.backward) : consistent(pair.backward, pair.forward);
+      options.turn_back ? turn_round(pair.forward, pair.backward) : consistent(pair.backward, pair.forward);
   pair.consistent = consistent(pair.forward, pair.backward);
   return pair;
 }

@@ -16,6 +16,7 @@
 #include "knotreel/fit/knot_gradient.h"
 #include "knotreel/knots/refine.h"
 #include "knotreel/mesh/insert_polylines.h"
+#include "knotreel/motion/refine_motion.h"
 #include "knotreel/motion/still.h"
 #include "knotreel/track/group_rule.h"
 #include "knotreel/track/idle_knots.h"
@@ -83,6 +84,7 @@ std::vector<Vec2> knot_motion(const std::vector<Vec2>& points, const Motion& mot
   for (std::size_t i = 0; i < result.size(); ++i) {
     if (still[i]) result[i] = {};
   }
+  motion::refine_motion(points, result, *motion.before, *motion.now);
   return result;
 }
 

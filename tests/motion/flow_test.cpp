@@ -39,7 +39,7 @@ double share(const std::vector<std::uint8_t>& mask) {
 
 using Effort = FlowOptions::Effort;
 
-constexpr const char* kEffortNames[] = {"ultrafast", "fast", "exact", "medium"};
+constexpr const char* kEffortNames[] = {"ultrafast", "fast", "medium"};
 
 /// Median errors that are allowed, in pixels: the first two look at a quarter of the size only.
 double allowed(Effort effort) {
@@ -71,8 +71,7 @@ TEST_P(EveryEffort, FindsARotation) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Efforts, EveryEffort,
-                         ::testing::Values(Effort::kUltrafast, Effort::kFast, Effort::kExact,
-                                           Effort::kMedium),
+                         ::testing::Values(Effort::kUltrafast, Effort::kFast, Effort::kMedium),
                          [](const auto& test) { return std::string(kEffortNames[int(test.param)]); });
 
 TEST(FindFlow, AnySizeWillDo) {
@@ -192,13 +191,15 @@ TEST(FlowPair, TheWayBackIsAsExactAsTheWayThere) {
     return draw(kWidth, kHeight, [&](Vec2 p) { return texture(by * (p - Vec2{96, 64})); });
   };
   const double growth = 1.05;
-  for (const Effort effort : {Effort::kExact, Effort::kMedium}) {
-    const FlowPair pair = find_flow_pair(luma_of(grown(1)), luma_of(grown(1 / growth)), {effort});
+  for (const Effort effort : {Effort::kFast, Effort::kMedium}) {
+    const FlowPair pair =
+        find_flow_pair(luma_of(grown(1)), luma_of(grown(1 / growth)), {effort, /*turn_back=*/true});
     const auto true_back = [&](Vec2 p) { return (1 / growth - 1) * (p - Vec2{96, 64}); };
     const Flow searched = find_flow(grown(1 / growth), grown(1), {effort});
     EXPECT_LT(median_error(pair.backward, true_back), 1.1 * median_error(searched, true_back));
     const Flow rough = find_flow(grown(1 / growth), grown(1), {Effort::kUltrafast});
-    EXPECT_LT(median_error(pair.backward, true_back), 0.8 * median_error(rough, true_back));
+    EXPECT_LT(median_error(pair.backward, true_back),
+              (effort == Effort::kMedium ? 0.8 : 1.1) * median_error(rough, true_back));
     EXPECT_GT(share(pair.consistent_back), 0.85);
   }
 }

@@ -157,7 +157,7 @@ TEST(Tracker, KnotsFollowMotionSlowerThanTheirGrid) {
     ++count;
   }
   ASSERT_GT(count, 20);
-  EXPECT_NEAR(way / count, kSpeed * (kFrames - 1), 0.5);
+  EXPECT_NEAR(way / count, kSpeed * (kFrames - 1), 0.8);  // a fifth of them is in the dead zone
 }
 
 TEST(Tracker, ARepeatedPictureKeepsItsModel) {

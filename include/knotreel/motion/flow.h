@@ -29,10 +29,12 @@ struct FlowOptions {
   enum class Effort {
     kUltrafast,  ///< patches only, on a quarter of the size; 0.1 to 0.2
     kFast,       ///< and a variational refinement there: twice the time; 0.1
-    kExact,      ///< on half of the size, with few steps: two to three times the time of kFast; below 0.1
     kMedium,     ///< on half of the size, denser patches: five times the time of kFast; 0.02 to 0.06
   };
   Effort effort = Effort::kFast;
+  /// Of pairs: the way back is only searched with kUltrafast, and turn_round() makes it as exact as the way
+  /// there: half of the time.
+  bool turn_back = false;
 };
 
 /// Where every pixel of `from` has gone in `to`: dense inverse search [Kroeger16] on the luma.
@@ -70,8 +72,7 @@ struct FlowPair {
   std::vector<std::uint8_t> consistent_back;  ///< of the second one
 };
 
-/// All of it at once, in less than the time of its parts: both directions run at the same time, and where the
-/// way there is exact (kExact, kMedium), the way back is searched with kUltrafast and turn_round().
+/// All of it at once, in less than the time of its parts: both directions run at the same time.
 /// @throws as find_flow().
 FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& options = {});
 

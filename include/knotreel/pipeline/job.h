@@ -111,7 +111,7 @@ struct Job {
   std::string source;                    ///< its name, for the document
   vectorize::Options cold;               ///< of frames that are made from their picture alone
   track::TrackOptions tracking;
-  motion::FlowOptions flow{motion::FlowOptions::Effort::kExact};
+  motion::FlowOptions flow{.turn_back = true};
   std::string document;      ///< file to write, `-` for standard output; empty: the document is not kept
   std::string split_folder;  ///< one document per frame goes there; empty: none
   VideoOutput video;
