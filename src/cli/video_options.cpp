@@ -45,7 +45,9 @@ void add_video_output_options(CLI::App& command, VideoOutputOptions& options) {
   command.add_option("--crf", options.crf, "Quality on the encoder's own scale, lower is better")
       ->check(within(0, 255))
       ->type_name("Q");
-  command.add_option("--encoder-preset", options.preset, "Effort of the encoder, such as slow; h264: faster if not given")
+  command
+      .add_option("--encoder-preset", options.preset,
+                  "Effort of the encoder, such as slow; h264: faster if not given")
       ->type_name("NAME");
   command
       .add_option("--pixel-format", options.pixel_format,

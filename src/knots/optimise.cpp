@@ -18,6 +18,8 @@ using mesh::FaceIndex;
 using mesh::KnotIndex;
 using mesh::KnotKind;
 
+constexpr double kSpacing = 2;  // of samples along edges, pixels: half of the time of one, and as good
+
 std::size_t corner_of(const mesh::Face& face, KnotIndex k) {
   return face[0] == k ? 0 : face[1] == k ? 1 : 2;
 }
@@ -27,7 +29,7 @@ std::size_t corner_of(const mesh::Face& face, KnotIndex k) {
                                                     const LinearFit* left, const LinearFit* right,
                                                     std::size_t channels) {
   const double length = norm(b - a);
-  const int samples = std::max(2, static_cast<int>(std::ceil(length)));
+  const int samples = std::max(2, static_cast<int>(std::ceil(length / kSpacing)));
   double sum = 0;
   for (int i = 0; i < samples; ++i) {
     const double s = (i + 0.5) / samples;
@@ -40,8 +42,8 @@ std::size_t corner_of(const mesh::Face& face, KnotIndex k) {
   return sum * length / samples;
 }
 
-/// Integral of (e_left - e_right) (1 - s) along the edge a -> b, s from 0 at a to 1 at b; samples about a
-/// pixel apart. One side may be missing.
+/// Integral of (e_left - e_right) (1 - s) along the edge a -> b, s from 0 at a to 1 at b; samples about
+/// kSpacing apart. One side may be missing.
 double edge_integral(const Target& target, Vec2 a, Vec2 b, const LinearFit* left, const LinearFit* right) {
   if (target.channels() == 3) return integral_along(target, a, b, left, right, 3);
   return integral_along(target, a, b, left, right, static_cast<std::size_t>(target.channels()));

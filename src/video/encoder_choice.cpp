@@ -49,8 +49,8 @@ const AVCodec* default_of(const AVOutputFormat& container) {
   return avcodec_find_encoder(container.video_codec);
 }
 
-/// Half of the time of x264's own default, at the same size and nearly the same quality for what is drawn from
-/// vectors (docs/decisions/0013-libav.md).
+/// Half of the time of x264's own default, at the same size and nearly the same quality for what is drawn
+/// from vectors (docs/decisions/0013-libav.md).
 constexpr const char* kX264Preset = "faster";
 
 /// Pixels. libav decodes slices of FFV1 that are a row high a row too low, and refuses some that are a column
