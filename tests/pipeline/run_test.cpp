@@ -113,7 +113,6 @@ TEST_F(PipelineRun, OneFrameInFlightIsEnough) {
 TEST_F(PipelineRun, FramesKeepTheirNumberTimesAndOrder) {
   video::VideoReader reader = video::VideoReader::open(clip_);
   Job job = job_of(reader);
-  job.tracking.drift = 100;  // one group
   job.document = path("out.tcb");
   job.video.path = path("out.mkv");
   job.video.options.codec = "ffv1";
