@@ -66,7 +66,7 @@ StillTest::StillTest(const Luma& from, const Luma& to, const Luma& moved, const 
   });
 }
 
-bool StillTest::still(Vec2 p) const {
+Stillness StillTest::at(Vec2 p) const {
   const int x = int(std::clamp(p.x, 0.0, double(width_ - 1)));
   const int y = int(std::clamp(p.y, 0.0, double(height_ - 1)));
   const auto left = std::size_t(std::max(0, x - options_.radius));
@@ -80,21 +80,24 @@ bool StillTest::still(Vec2 p) const {
         sums[bottom + right] + sums[top + left] - sums[bottom + left] - sums[top + right];
     return double(sum) / (kSmoothing * pixels);
   };
-  return mean(standing_) <= options_.ratio * mean(moving_) + options_.slack;
+  const double standing = mean(standing_);
+  const double moving = mean(moving_);
+  if (standing > options_.ratio * moving + options_.slack) return Stillness::kMoves;
+  return moving > options_.ratio * standing + options_.slack ? Stillness::kStays : Stillness::kEither;
 }
 
-std::vector<std::uint8_t> still_points(std::span<const Vec2> points, std::span<const Vec2> motions,
-                                       const Luma& from, const Luma& to, const Luma& moved,
-                                       const StillOptions& options) {
+std::vector<Stillness> still_points(std::span<const Vec2> points, std::span<const Vec2> motions,
+                                    const Luma& from, const Luma& to, const Luma& moved,
+                                    const StillOptions& options) {
   if (points.size() != motions.size()) {
     throw Error(ErrorKind::kInvalidArgument, "points and motions differ in number");
   }
   const StillTest test(from, to, moved, options);
-  std::vector<std::uint8_t> still(points.size());
+  std::vector<Stillness> result(points.size());
   for (std::size_t i = 0; i < points.size(); ++i) {
-    still[i] = motions[i] == Vec2{} || test.still(points[i]) ? 1 : 0;
+    result[i] = motions[i] == Vec2{} ? Stillness::kStays : test.at(points[i]);
   }
-  return still;
+  return result;
 }
 
 }  // namespace knotreel::motion

@@ -16,8 +16,6 @@
 #include "knotreel/fit/knot_gradient.h"
 #include "knotreel/knots/refine.h"
 #include "knotreel/mesh/insert_polylines.h"
-#include "knotreel/motion/refine_motion.h"
-#include "knotreel/motion/still.h"
 #include "knotreel/track/group_rule.h"
 #include "knotreel/track/idle_knots.h"
 #include "track/bend_geometry.h"
@@ -28,6 +26,7 @@
 #include "track/difficulty.h"
 #include "track/fit_watch.h"
 #include "track/foresee.h"
+#include "track/knot_motion.h"
 #include "track/local_error.h"
 #include "track/matching.h"
 #include "track/placed_pixels.h"
@@ -74,18 +73,6 @@ std::vector<Vec2> image_positions(const spline::Basis& basis, std::span<const Ve
   if (std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; }))
     return points;
   return fit::image_points(basis, displacement, std::move(points));
-}
-
-/// Motion of the knots, zero where moving explains the picture hardly better than staying.
-std::vector<Vec2> knot_motion(const std::vector<Vec2>& points, const Motion& motion) {
-  std::vector<Vec2> result = motion::point_motion(points, motion.flow.forward, motion.flow.consistent);
-  const std::vector<std::uint8_t> still =
-      motion::still_points(points, result, *motion.before, *motion.now, *motion.moved);
-  for (std::size_t i = 0; i < result.size(); ++i) {
-    if (still[i]) result[i] = {};
-  }
-  motion::refine_motion(points, result, *motion.before, *motion.now);
-  return result;
 }
 
 /// Adds the segments that could not follow their edges to the lost ones: in the wrong place they harm.
@@ -264,7 +251,7 @@ class Tracker::Impl {
   /// Where the knots of the mesh prepared for this frame have gone.
   KnotMesh carried_mesh(const Motion& motion) {
     const std::vector<Vec2> points = image_positions(*basis_, displacement_, next_mesh_);
-    std::vector<Vec2> moves = knot_motion(points, motion);
+    std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
     SnapResult snapped =
         snap_to_edges(*basis_, displacement_, next_mesh_, moves, seen_.picture, *motion.before, *motion.now);
     for (std::size_t k = 0; k < moves.size(); ++k) moves[k] = moves[k] + snapped.moves[k];

@@ -48,7 +48,7 @@ TEST(RefineMotion, MakesTranslationsExact) {
     std::erase_if(at, [](Vec2 p) { return p.x < 16 || p.y < 16 || p.x > kWidth - 16 || p.y > kHeight - 16; });
     std::vector<Vec2> motions = near(truth, 0.4, at.size());
     const double before = median(errors(motions, truth));
-    refine_motion(at, motions, from, to);
+    refine_motion(at, motions, from, to, {.stiffness = 4});
     EXPECT_LT(median(errors(motions, truth)), 0.2 * before) << truth.x;
   }
 }

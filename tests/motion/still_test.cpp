@@ -27,7 +27,7 @@ std::vector<Vec2> grid() {
   return points;
 }
 
-std::vector<std::uint8_t> still_grid(const image::Image& from, const image::Image& to) {
+std::vector<Stillness> still_grid(const image::Image& from, const image::Image& to) {
   const Luma a = luma_of(from);
   const Luma b = luma_of(to);
   const FlowPair pair = find_flow_pair(a, b);
@@ -36,8 +36,12 @@ std::vector<std::uint8_t> still_grid(const image::Image& from, const image::Imag
                       warp(b, pair.forward));
 }
 
-double share(const std::vector<std::uint8_t>& mask) {
-  return double(std::count(mask.begin(), mask.end(), 1)) / double(mask.size());
+bool is_still(Stillness s) {
+  return s != Stillness::kMoves;
+}
+
+double share(const std::vector<Stillness>& stillness) {
+  return double(std::count_if(stillness.begin(), stillness.end(), is_still)) / double(stillness.size());
 }
 
 class StaticNoise : public ::testing::TestWithParam<double> {};
@@ -82,10 +86,10 @@ TEST(StillPoints, OnlyAMovedPatchMoves) {
     const auto [x, y] = points[i];
     if (x > 60 && x < 100 && y > 50 && y < 80) {
       ++inside;
-      moving_inside += still[i] == 0 ? 1 : 0;
+      moving_inside += is_still(still[i]) ? 0 : 1;
     } else if (x < 40 || x > 123 || y < 30 || y > 101) {
       ++outside;
-      still_outside += still[i];
+      still_outside += is_still(still[i]) ? 1 : 0;
     }
   }
   EXPECT_GT(moving_inside, 0.95 * inside);
@@ -105,13 +109,15 @@ std::pair<Luma, Luma> changed_square() {
 TEST(StillTest, ComparesMeanResidualsOfTheWindow) {
   // A square of 3 x 3 pixels differs by 30, and the flow, being zero, leaves as much.
   const auto [from, to] = changed_square();
-  EXPECT_TRUE(StillTest(from, to, to).still({20.5, 20.5}));
+  EXPECT_EQ(StillTest(from, to, to).at({20.5, 20.5}), Stillness::kEither);
   // A flow that fetches other pixels explains the change, and windows that see it are not still.
   const StillTest moving(from, to, warp(to, constant_flow(40, 40, {12, 0})));
-  EXPECT_FALSE(moving.still({20.5, 20.5}));
-  EXPECT_FALSE(moving.still({24.5, 17.5}));
-  EXPECT_TRUE(moving.still({27.5, 20.5}));
-  EXPECT_TRUE(moving.still({1000, -1000}));
+  EXPECT_EQ(moving.at({20.5, 20.5}), Stillness::kMoves);
+  EXPECT_EQ(moving.at({24.5, 17.5}), Stillness::kMoves);
+  EXPECT_EQ(moving.at({27.5, 20.5}), Stillness::kEither);
+  EXPECT_EQ(moving.at({1000, -1000}), Stillness::kEither);
+  // Where it fetches the square, it makes a change out of none.
+  EXPECT_EQ(moving.at({8.5, 20.5}), Stillness::kStays);
 }
 
 TEST(StillPoints, WhatHasNoMotionIsStill) {
@@ -119,7 +125,7 @@ TEST(StillPoints, WhatHasNoMotionIsStill) {
   const std::vector<Vec2> points{{20.5, 20.5}, {20.5, 20.5}};
   const std::vector<Vec2> motions{{12, 0}, {}};
   EXPECT_EQ(still_points(points, motions, from, to, warp(to, constant_flow(40, 40, {12, 0}))),
-            (std::vector<std::uint8_t>{0, 1}));
+            (std::vector<Stillness>{Stillness::kMoves, Stillness::kStays}));
 }
 
 TEST(StillPoints, RefusesWhatDoesNotFit) {

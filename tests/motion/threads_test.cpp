@@ -21,7 +21,7 @@ struct Everything {
   FlowPair pair;
   std::vector<Vec2> motions;
   std::vector<Vec2> refined;
-  std::vector<std::uint8_t> still;
+  std::vector<Stillness> still;
   std::vector<float> warped;
   std::vector<double> figures;
 };

@@ -9,9 +9,9 @@
 namespace knotreel::motion {
 
 struct RefineMotionOptions {
-  int steps = 3;         ///< most of Gauss and Newton for each point, 0 or more
-  double stiffness = 4;  ///< squared levels per pixel that texture must have to move a point from the flow
-  double most = 1;       ///< farthest from the flow, pixels
+  int steps = 3;          ///< most of Gauss and Newton for each point, 0 or more
+  double stiffness = 20;  ///< squared levels per pixel that texture must have to move a point from the flow
+  double most = 1;        ///< farthest from the flow, pixels
 };
 
 /// Makes motions that are known to a fraction of a pixel exact [Lucas81]: so that the 8x8 pixels around each

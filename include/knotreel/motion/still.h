@@ -16,6 +16,13 @@ struct StillOptions {
   double slack = 6.0;  ///< ... and so much more, in squared levels
 };
 
+/// What the pictures say of a place that the flow moves.
+enum class Stillness : std::uint8_t {
+  kMoves,   ///< moving explains the next picture better than staying
+  kStays,   ///< no motion at all, or staying explains it about as well ...
+  kEither,  ///< ... and so does moving: there is next to nothing to be seen
+};
+
 /// The dead zone of motion: tells places that had better stay where they are, since moving them hardly
 /// explains the next picture better. Residuals are those of luma, smoothed by (1 2 1)/4 along both axes so
 /// that noise does not count as motion. Costs two passes over the pictures once and the same few operations
@@ -29,7 +36,7 @@ class StillTest {
 
   /// Whether the pictures around a point are explained about as well by no motion as by the flow.
   /// @param p finite; outside the picture the nearest pixel counts. Thread safe.
-  bool still(Vec2 p) const;
+  Stillness at(Vec2 p) const;
 
  private:
   StillOptions options_;
@@ -39,11 +46,11 @@ class StillTest {
   std::vector<std::uint64_t> moving_;
 };
 
-/// For every point 1 if it is still: no motion at all, or StillTest says so; else 0.
+/// Of every point: kStays if it has no motion at all, else what StillTest says.
 /// @param motions displacements of the points, as from point_motion().
 /// @throws Error{kInvalidArgument} as StillTest, or if points and motions differ in number.
-std::vector<std::uint8_t> still_points(std::span<const Vec2> points, std::span<const Vec2> motions,
-                                       const Luma& from, const Luma& to, const Luma& moved,
-                                       const StillOptions& options = {});
+std::vector<Stillness> still_points(std::span<const Vec2> points, std::span<const Vec2> motions,
+                                    const Luma& from, const Luma& to, const Luma& moved,
+                                    const StillOptions& options = {});
 
 }  // namespace knotreel::motion
