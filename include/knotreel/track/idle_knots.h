@@ -11,7 +11,7 @@ namespace knotreel::track {
 
 struct SwapOptions {
   double ratio = 40;    ///< a knot goes if the error that another one could mend is so many times its own
-  double share = 0.06;  ///< most of the knots that go at once
+  double share = 0.02;  ///< most of the knots that go at once
 };
 
 /// Errors of the faces of a surface, the largest first.

@@ -46,7 +46,7 @@ struct TrackOptions {
   int bend_interval = 2;
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
   double reluctance = 0.5;    ///< of control points to change their colours (fit::ColourFitOptions) ...
-  double reluctance_error = 1;  ///< ... and less where the frame before was missed by less than this, levels
+  double reluctance_error = 2;  ///< ... and less where the frame before was missed by less than this, levels
   CarryOptions carry{};
   SwapOptions swap{};
   /// When a frame is worse than the one before by this, knots are put where the error is at once, and it is
@@ -71,7 +71,7 @@ struct TrackOptions {
   double colour_step = document::EncodeOptions{}.colour_step;
   /// ... and of so many times that in other frames, more than 0.
   double delta_coarseness = document::EncodeOptions{}.delta_coarseness;
-  SwapOptions urgent_swap{.ratio = 4, .share = 0.08};
+  SwapOptions urgent_swap{.ratio = 10, .share = 0.08};
 };
 
 /// Why a frame is as it is.
