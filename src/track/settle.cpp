@@ -11,7 +11,7 @@ namespace {
 // Factors of a step while the direction stays, and when it turns.
 constexpr double kGrow = 1.35;
 constexpr double kShrink = 0.6;
-constexpr double kLongest = 0.12;  // share of the shortest edge
+constexpr double kLongest = 0.1;  // share of the shortest edge
 
 }  // namespace
 
