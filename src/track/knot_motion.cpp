@@ -21,13 +21,13 @@ std::vector<bool> resting(const mesh::KnotMesh& mesh, std::span<const Vec2> move
   for (std::size_t k = 0; k < rests.size(); ++k) rests[k] = stillness[k] != Stillness::kMoves;
   for (bool any = true; any;) {
     any = false;
-    std::vector<std::uint16_t> going(rests.size(), 0);
-    std::vector<std::uint16_t> corners(rests.size(), 0);  // of faces, other than the knot itself
+    std::vector<std::uint32_t> going(rests.size(), 0);
+    std::vector<std::uint32_t> corners(rests.size(), 0);  // of faces, other than the knot itself
     for (const mesh::Face& face : mesh.faces) {
       for (std::size_t i = 0; i < 3; ++i) {
         for (std::size_t j = 1; j < 3; ++j) {
           ++corners[face[i]];
-          going[face[i]] += rests[face[(i + j) % 3]] ? 0 : 1;
+          if (!rests[face[(i + j) % 3]]) ++going[face[i]];
         }
       }
     }
