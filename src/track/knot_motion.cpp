@@ -14,26 +14,33 @@ using motion::Stillness;
 
 constexpr double kLong = 1;  // pixels; with less, a knot that stays is in nobody's way for a while
 
+/// By knot, how many of the other corners of its faces count.
+template <typename Counts>
+std::vector<std::uint32_t> corners_around(const mesh::KnotMesh& mesh, const Counts& counts) {
+  std::vector<std::uint32_t> result(mesh.knots.size(), 0);
+  for (const mesh::Face& face : mesh.faces) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      for (std::size_t j = 1; j < 3; ++j) {
+        if (counts(face[(i + j) % 3])) ++result[face[i]];
+      }
+    }
+  }
+  return result;
+}
+
 /// Which knots stay. From those that surely go on, what may do either goes along, ring by ring.
 std::vector<bool> resting(const mesh::KnotMesh& mesh, std::span<const Vec2> moves,
                           std::span<const Stillness> stillness) {
   std::vector<bool> rests(moves.size());
   for (std::size_t k = 0; k < rests.size(); ++k) rests[k] = stillness[k] != Stillness::kMoves;
+  const std::vector<std::uint32_t> all = corners_around(mesh, [](mesh::KnotIndex) { return true; });
   for (bool any = true; any;) {
     any = false;
-    std::vector<std::uint32_t> going(rests.size(), 0);
-    std::vector<std::uint32_t> corners(rests.size(), 0);  // of faces, other than the knot itself
-    for (const mesh::Face& face : mesh.faces) {
-      for (std::size_t i = 0; i < 3; ++i) {
-        for (std::size_t j = 1; j < 3; ++j) {
-          ++corners[face[i]];
-          if (!rests[face[(i + j) % 3]]) ++going[face[i]];
-        }
-      }
-    }
+    const std::vector<std::uint32_t> going =
+        corners_around(mesh, [&](mesh::KnotIndex k) { return !rests[k]; });
     for (std::size_t k = 0; k < rests.size(); ++k) {
-      const bool goes_along = rests[k] && stillness[k] == Stillness::kEither && norm(moves[k]) > kLong &&
-                              2 * going[k] >= corners[k];
+      const bool goes_along =
+          rests[k] && stillness[k] == Stillness::kEither && norm(moves[k]) > kLong && 2 * going[k] >= all[k];
       if (!goes_along) continue;
       rests[k] = false;
       any = true;

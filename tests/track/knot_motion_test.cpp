@@ -70,7 +70,7 @@ struct Knots {
     return result;
   }();
 
-  /// Calls of the free knots inside the hole, or those well outside, with their motion.
+  /// Calls check with the motion of each knot well inside the hole, or of each well outside.
   template <typename Check>
   void check(bool inside, const std::vector<Vec2>& moves, const Check& check) const {
     std::size_t count = 0;

@@ -34,7 +34,8 @@ class StillTest {
   /// @throws Error{kInvalidArgument} if sizes differ, a picture is empty or the radius is negative.
   StillTest(const Luma& from, const Luma& to, const Luma& moved, const StillOptions& options = {});
 
-  /// Whether the pictures around a point are explained about as well by no motion as by the flow.
+  /// Whether the pictures around a point are explained about as well by no motion as by the flow, and whether
+  /// the flow explains them about as well as no motion.
   /// @param p finite; outside the picture the nearest pixel counts. Thread safe.
   Stillness at(Vec2 p) const;
 
