@@ -1,6 +1,7 @@
 #include "document/frame_codec.h"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 
 #include "document/bytes.h"
@@ -19,10 +20,14 @@ namespace {
 constexpr std::uint8_t kKeyframe = 1;
 constexpr std::uint8_t kTopology = 2;   ///< stored; else that of the frame before
 constexpr std::uint8_t kUnchanged = 4;  ///< nothing else is stored
+constexpr std::uint8_t kSoftness = 8;   ///< stored; else that of the frame before, 0 in keyframes
+
+constexpr std::uint8_t kMostSoftness = static_cast<std::uint8_t>(kMostEdgeSoftness / kEdgeSoftnessStep);
 
 FramePrefix read_prefix(ByteReader& in, std::uint8_t& flags) {
   flags = in.u8();
-  if (flags > kUnchanged) malformed("a frame has unknown flags");
+  const bool alone = flags == kUnchanged;
+  if ((flags & ~(kKeyframe | kTopology | kSoftness)) != 0 && !alone) malformed("a frame has unknown flags");
   if ((flags & kKeyframe) && !(flags & kTopology)) malformed("a keyframe has no topology");
   FramePrefix prefix;
   prefix.keyframe = flags & kKeyframe;
@@ -43,7 +48,8 @@ bool same_topology(const FrameState& x, const FrameState& y) {
 
 /// Whether a frame is the one before but for its number and time.
 bool unchanged(const FrameState& x, const FrameState& y) {
-  return x.grid.bits == y.grid.bits && x.displacement == y.displacement && x.colour == y.colour &&
+  return x.grid.bits == y.grid.bits && x.edge_softness == y.edge_softness &&
+         x.displacement == y.displacement && x.colour == y.colour &&
          std::ranges::equal(x.mesh().knots, y.mesh().knots, {}, &mesh::Knot::position,
                             &mesh::Knot::position) &&
          same_topology(x, y);
@@ -90,6 +96,8 @@ void require_fitting(const FrameModel& model, const Format& format) {
           "it has too few or too many displacements");
   require(model.colour.size() == model.space->function_count() * static_cast<std::size_t>(model.channels),
           "it has too few or too many control colours");
+  require(model.edge_softness >= 0 && model.edge_softness <= kMostEdgeSoftness,
+          "the softness of its edges is out of range");
 }
 
 /// Function ids of a state whose space is set: those of matching functions before, new ones for the rest.
@@ -111,6 +119,7 @@ FrameState to_state(const FrameModel& model, const FrameState* before, const For
   state.frame = model.frame;
   state.pts = model.pts;
   state.keyframe = before == nullptr;
+  state.edge_softness = static_cast<std::uint8_t>(std::lround(model.edge_softness / kEdgeSoftnessStep));
   try {
     CanonicalMesh numbering = canonical_mesh(model.space->mesh());
     state.colour_unit = options.colour_unit;
@@ -133,13 +142,15 @@ FrameState to_state(const FrameModel& model, const FrameState* before, const For
 std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before, const Format& format) {
   const bool nothing = before && unchanged(state, *before);
   const bool store_topology = !before || !same_topology(state, *before);
+  const bool store_softness = state.edge_softness != (before ? before->edge_softness : 0);
   const auto channels = static_cast<std::size_t>(format.info.channels);
   const mesh::KnotMesh& mesh = state.mesh();
 
   ByteWriter out;
-  out.u8(nothing ? kUnchanged
-                 : static_cast<std::uint8_t>((state.keyframe ? kKeyframe : 0) |
-                                             (store_topology ? kTopology : 0)));
+  out.u8(nothing
+             ? kUnchanged
+             : static_cast<std::uint8_t>((state.keyframe ? kKeyframe : 0) | (store_topology ? kTopology : 0) |
+                                         (store_softness ? kSoftness : 0)));
   out.varint(state.frame);
   out.svarint(state.pts);
   if (nothing) {
@@ -149,6 +160,7 @@ std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before,
     state.next_function_id = before->next_function_id;
     return out.take();
   }
+  if (store_softness) out.u8(state.edge_softness);
   out.u8(static_cast<std::uint8_t>(state.grid.bits));
   out.varint(static_cast<std::uint64_t>(state.colour_unit));
 
@@ -203,6 +215,8 @@ FrameState decode_frame(std::span<const std::byte> payload, const FrameState* be
     same.keyframe = false;
     return same;
   }
+  state.edge_softness = flags & kSoftness ? in.u8() : before ? before->edge_softness : std::uint8_t{0};
+  if (state.edge_softness > kMostSoftness) malformed("edges are softer than allowed");
   state.grid.bits = in.u8();
   if (state.grid.bits > kMaxKnotBits) malformed("the knot grid is finer than allowed");
   state.colour_unit = static_cast<std::int64_t>(in.varint_in(1, kMaxColourUnit, "unit of the colours"));

@@ -11,6 +11,7 @@ FrameModel to_model(const FrameState& state, const Format& format) {
   model.frame = state.frame;
   model.pts = state.pts;
   model.keyframe = state.keyframe;
+  model.edge_softness = state.edge_softness * kEdgeSoftnessStep;
   model.function_ids = state.function_ids;
   // The steps have few bits, so these products are exact.
   model.displacement.reserve(state.displacement.size() / 2);

@@ -63,6 +63,7 @@ struct FrameState {
   std::vector<std::int64_t> displacement;  ///< two per geometry group, in steps
   std::int64_t colour_unit = 1;            ///< all colours are multiples of this
   std::vector<std::int64_t> colour;        ///< `channels` per function, in steps
+  std::uint8_t edge_softness = 0;          ///< in kEdgeSoftnessStep
   std::vector<std::uint32_t> function_ids;
   std::uint32_t next_function_id = 0;  ///< of the group, so far
   FrameModels models;                  ///< of the group, after this frame

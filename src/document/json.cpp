@@ -80,6 +80,7 @@ std::string frame_to_json(const FrameModel& model, const SequenceInfo& info) {
   json["pts"] = model.pts;
   json["time_base"] = {info.time_base_num, info.time_base_den};
   json["domain"] = {mesh.width, mesh.height};
+  json["edge_softness"] = model.edge_softness;
   Json& knots = json["knots"] = Json::array();
   for (KnotIndex k = 0; k < mesh.knots.size(); ++k) {
     for (std::uint32_t i = 0; i < instances.multiplicity(k); ++i) {

@@ -13,6 +13,7 @@
 #include "raster/feature_trace.h"
 #include "raster/frame_size.h"
 #include "raster/part.h"
+#include "raster/soften.h"
 #include "raster/surface.h"
 #include "raster/tile.h"
 
@@ -55,7 +56,8 @@ struct Renderer::State {
         surface(model, basis),
         trace(surface, model.space->mesh()),
         channels(static_cast<std::size_t>(model.channels)),
-        antialias(options.antialias) {
+        antialias(options.antialias),
+        softness(antialias ? model.edge_softness : 0) {
     reduce_x = static_cast<int>(std::ceil(size.pixel_width - 1e-9));
     reduce_y = static_cast<int>(std::ceil(size.pixel_height - 1e-9));
     fine_width = size.pixel_width / reduce_x;
@@ -80,6 +82,7 @@ struct Renderer::State {
   }
 
   void fine_rows(int row_begin, int row_end, int column_begin, int column_end, float* out) const;
+  void draw(const Part& part, std::span<const CrossedPixel> crossed) const;
   void draw_block(int tile_x0, int tile_y0, int tile_x1, int tile_y1, std::span<const CrossedPixel> crossed,
                   const Part& part) const;
   /// Whether the pixels are those that the surface is fitted to.
@@ -99,6 +102,7 @@ struct Renderer::State {
   FeatureTrace trace;
   std::size_t channels;
   bool antialias;
+  double softness;  ///< of edges
   /// Of pictures of the size of the model: the colours of their pixels, or the basis there and the colours of
   /// its control points.
   std::shared_ptr<const spline::PixelSurface> known;
@@ -144,10 +148,10 @@ void Renderer::State::draw_centres(Tile& tile, int x0, int y0, const Part& part)
 
 /// The same for all tiles, where that is known.
 void Renderer::State::copy_known(const Part& part) const {
-  const auto columns = static_cast<std::size_t>(part.column_end - part.column_begin);
   for (int y = part.row_begin; y < part.row_end; ++y) {
     const auto first = static_cast<std::size_t>(y) * std::size_t(size.width) + std::size_t(part.column_begin);
-    std::copy_n(known->colours.data() + first * channels, columns * channels, part.at(part.column_begin, y));
+    std::copy_n(known->colours.data() + first * channels, part.columns() * channels,
+                part.at(part.column_begin, y));
   }
 }
 
@@ -240,20 +244,12 @@ void Renderer::State::draw_block(int tile_x0, int tile_y0, int tile_x1, int tile
   }
 }
 
-void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, int column_end,
-                                float* out) const {
-  const Part part{row_begin, row_end, column_begin, column_end, channels, out};
+void Renderer::State::draw(const Part& part, std::span<const CrossedPixel> crossed) const {
   if (known) copy_known(part);
-  const int first_column = column_begin / tile_width;
-  const int last_column = (column_end - 1) / tile_width;
-  const int first_row = row_begin / tile_height;
-  const int last_row = (row_end - 1) / tile_height;
-  std::vector<CrossedPixel> crossed;
-  if (antialias) {  // in whole tiles, whose points are worked on together
-    crossed =
-        trace.crossed_pixels(fine_width, fine_height, first_row * tile_height, (last_row + 1) * tile_height,
-                             first_column * tile_width, (last_column + 1) * tile_width);
-  }
+  const int first_column = part.column_begin / tile_width;
+  const int last_column = (part.column_end - 1) / tile_width;
+  const int first_row = part.row_begin / tile_height;
+  const int last_row = (part.row_end - 1) / tile_height;
   constexpr int kBlockColumns = 8;
   constexpr int kBlockRows = 4;
   const int blocks_per_row = (last_column - first_column) / kBlockColumns + 1;
@@ -265,6 +261,36 @@ void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, in
     draw_block(x0, y0, std::min(x0 + kBlockColumns, last_column + 1), std::min(y0 + kBlockRows, last_row + 1),
                crossed, part);
   });
+}
+
+void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, int column_end,
+                                float* out) const {
+  const Part inner{{row_begin, row_end, column_begin, column_end}, channels, out};
+  Part drawn = inner;
+  std::vector<float> wider;
+  if (softness > 0) {  // which takes the pixels around, too
+    drawn.row_begin = std::max(row_begin - kSoftReach, 0);
+    drawn.row_end = std::min(row_end + kSoftReach, size.height * reduce_y);
+    drawn.column_begin = std::max(column_begin - kSoftReach, 0);
+    drawn.column_end = std::min(column_end + kSoftReach, size.width * reduce_x);
+    if (drawn.pixel_count() > inner.pixel_count()) {
+      wider.resize(drawn.pixel_count() * channels);
+      drawn.out = wider.data();
+    }
+  }
+  std::vector<CrossedPixel> crossed;
+  if (antialias) {  // in whole tiles, whose points are worked on together
+    const auto down = [](int v, int side) { return v / side * side; };
+    const auto up = [](int v, int side) { return (v + side - 1) / side * side; };
+    crossed = trace.crossed_pixels(fine_width, fine_height, down(drawn.row_begin, tile_height),
+                                   up(drawn.row_end, tile_height), down(drawn.column_begin, tile_width),
+                                   up(drawn.column_end, tile_width));
+  }
+  draw(drawn, crossed);
+  if (softness > 0) soften_edges(crossed, softness, inner, drawn);
+  if (wider.empty()) return;
+  for (int y = row_begin; y < row_end; ++y)
+    std::copy_n(drawn.at(column_begin, y), inner.columns() * channels, inner.at(column_begin, y));
 }
 
 /// One output row from its reduce_y fine rows.

@@ -86,34 +86,81 @@ class ReferenceSurface {
   spline::ReferenceBasis basis_;
 };
 
+/// The mean of each pixel of the whole picture by itself, by many samples where a feature crosses it.
+class ReferencePicture {
+ public:
+  ReferencePicture(const document::FrameModel& model, const FrameSize& size, bool antialias)
+      : size_(size),
+        surface_(model),
+        trace_(Surface(model), model.space->mesh()),
+        channels_(static_cast<std::size_t>(model.channels)),
+        antialias_(antialias) {}
+
+  bool is_crossed(int x, int y) const {
+    return antialias_ &&
+           !trace_.crossed_pixels(size_.pixel_width, size_.pixel_height, y, y + 1, x, x + 1).empty();
+  }
+
+  std::array<float, 4> pixel(int x, int y) const {
+    constexpr int kFine = 16;
+    const bool crossed = is_crossed(x, y);
+    const int nx = crossed ? kFine : static_cast<int>(std::ceil(size_.pixel_width - 1e-9));
+    const int ny = crossed ? kFine : static_cast<int>(std::ceil(size_.pixel_height - 1e-9));
+    ColourMean mean(channels_);
+    for (int sy = 0; sy < ny; ++sy) {
+      for (int sx = 0; sx < nx; ++sx) {
+        const auto colour = surface_.colour_at(
+            {(x + (sx + 0.5) / nx) * size_.pixel_width, (y + (sy + 0.5) / ny) * size_.pixel_height});
+        mean.add(colour.data(), 1);
+      }
+    }
+    std::array<float, 4> result{};
+    mean.store(result.data());
+    return result;
+  }
+
+  /// The same through the filter for edges, next to features; for pictures no smaller than the model.
+  std::array<float, 4> softened_pixel(int x, int y, double softness) const {
+    bool near = false;
+    for (int i = 0; i < 9; ++i)
+      near = near || (is_inside(x, y, i) && is_crossed(x - 1 + i % 3, y - 1 + i / 3));
+    if (!near || softness == 0) return pixel(x, y);
+    ColourMean mean(channels_);
+    for (int i = 0; i < 9; ++i) {
+      const auto weight = [&](int place) { return place == 1 ? 1 - 2 * softness : softness; };
+      const auto neighbour = pixel(std::clamp(x - 1 + i % 3, 0, size_.width - 1),
+                                   std::clamp(y - 1 + i / 3, 0, size_.height - 1));
+      mean.add(neighbour.data(), 1, weight(i % 3) * weight(i / 3));
+    }
+    std::array<float, 4> result{};
+    mean.store(result.data());
+    return result;
+  }
+
+ private:
+  bool is_inside(int x, int y, int neighbour) const {
+    const int u = x - 1 + neighbour % 3;
+    const int v = y - 1 + neighbour / 3;
+    return u >= 0 && u < size_.width && v >= 0 && v < size_.height;
+  }
+
+  FrameSize size_;
+  ReferenceSurface surface_;
+  FeatureTrace trace_;
+  std::size_t channels_;
+  bool antialias_;
+};
+
 }  // namespace
 
 std::vector<float> render_reference(const document::FrameModel& model, const RenderOptions& options) {
   const FrameSize size = resolve_size(model, options);
-  const ReferenceSurface surface(model);
-  const FeatureTrace trace(Surface(model), model.space->mesh());
-  const auto channels = static_cast<std::size_t>(model.channels);
-  const int reduce_x = static_cast<int>(std::ceil(size.pixel_width - 1e-9));
-  const int reduce_y = static_cast<int>(std::ceil(size.pixel_height - 1e-9));
-  constexpr int kFine = 16;
+  const ReferencePicture picture(model, size, options.antialias);
   std::vector<float> out;
   for (int y = size.crop_y; y < size.crop_y + size.crop_height; ++y) {
     for (int x = size.crop_x; x < size.crop_x + size.crop_width; ++x) {
-      const bool crossed =
-          options.antialias &&
-          !trace.crossed_pixels(size.pixel_width, size.pixel_height, y, y + 1, x, x + 1).empty();
-      const int nx = crossed ? kFine : reduce_x;
-      const int ny = crossed ? kFine : reduce_y;
-      ColourMean mean(channels);
-      for (int sy = 0; sy < ny; ++sy) {
-        for (int sx = 0; sx < nx; ++sx) {
-          const auto colour = surface.colour_at(
-              {(x + (sx + 0.5) / nx) * size.pixel_width, (y + (sy + 0.5) / ny) * size.pixel_height});
-          mean.add(colour.data(), 1);
-        }
-      }
-      out.resize(out.size() + channels);
-      mean.store(out.data() + out.size() - channels);
+      const auto pixel = picture.softened_pixel(x, y, options.antialias ? model.edge_softness : 0);
+      out.insert(out.end(), pixel.begin(), pixel.begin() + model.channels);
     }
   }
   return out;

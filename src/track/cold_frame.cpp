@@ -23,6 +23,7 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
   const auto frame = std::make_shared<ColdFrame>();
   frame->space = made.model.space;
   frame->displacement = std::move(made.model.displacement);
+  frame->edge_softness = made.model.edge_softness;
   frame->colours.control = std::move(made.model.colour);
   document::round_colours(frame->colours.control, colour_step);
   frame->milliseconds.emplace_back("cold", milliseconds_since(start));
@@ -32,7 +33,7 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
       placed_pixels(picture,
                     std::make_shared<const spline::PlacedBasis>(frame->basis, picture.width, picture.height,
                                                                 std::move(made.fitted.places)),
-                    made.fitted.crossed);
+                    made.fitted.crossed, 0);
   frame->surface = surface_at(frame->placed, frame->colours.control);
   frame->colours.residual = residual_of(frame->placed, *frame->surface);
   frame->milliseconds.emplace_back("measure", milliseconds_since(fitted));

@@ -15,6 +15,7 @@ namespace knotreel::track {
 struct ColdFrame {
   std::shared_ptr<const spline::SplineSpace> space;
   std::vector<Vec2> displacement;
+  double edge_softness = 0;
   std::shared_ptr<const spline::Basis> basis;  ///< of space
   PlacedPixels placed;
   fit::ColourFit colours;                                    ///< the residual is that of placed

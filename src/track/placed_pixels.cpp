@@ -8,14 +8,16 @@
 #include "knotreel/fit/edge_colours.h"
 #include "knotreel/fit/geometry_fit.h"
 #include "knotreel/fit/pixel_places.h"
+#include "knotreel/fit/sharpen_edges.h"
 #include "knotreel/spline/surface.h"
 
 namespace knotreel::track {
 
 PlacedPixels placed_pixels(const image::Image& picture, std::shared_ptr<const spline::PlacedBasis> placed,
-                           std::span<const std::uint8_t> crossed) {
+                           std::span<const std::uint8_t> crossed, double edge_softness) {
   PlacedPixels pixels{picture, {}, std::move(placed)};
   if (crossed.empty()) return pixels;
+  fit::sharpen_edges(pixels.picture, crossed, edge_softness);
   const mesh::KnotMesh& mesh = pixels.placed->basis()->space().mesh();
   const std::vector<std::uint8_t> given =
       fit::clear_edge_colours(pixels.picture, pixels.placed->places(), crossed, mesh);
@@ -27,7 +29,8 @@ PlacedPixels placed_pixels(const image::Image& picture, std::shared_ptr<const sp
 }
 
 PlacedPixels place_pixels(const std::shared_ptr<const spline::Basis>& basis,
-                          std::span<const Vec2> displacement, const image::Image& picture) {
+                          std::span<const Vec2> displacement, const image::Image& picture,
+                          double edge_softness) {
   std::vector<std::uint8_t> crossed;
   std::shared_ptr<const spline::PlacedBasis> placed;
   parallel_invoke([&] { placed = fit::place_basis(basis, displacement); },
@@ -35,7 +38,7 @@ PlacedPixels place_pixels(const std::shared_ptr<const spline::Basis>& basis,
                     if (basis->space().mesh().segments.empty()) return;
                     crossed = fit::crossed_pixels(*basis, displacement, picture.width, picture.height);
                   });
-  return placed_pixels(picture, std::move(placed), crossed);
+  return placed_pixels(picture, std::move(placed), crossed, edge_softness);
 }
 
 std::shared_ptr<const spline::PixelSurface> surface_at(const PlacedPixels& pixels,

@@ -13,7 +13,7 @@ namespace knotreel::track {
 
 /// A picture with the places of its pixels under a geometry.
 struct PlacedPixels {
-  image::Image picture;        ///< pixels that features cross have the colours of their side
+  image::Image picture;        ///< sharp: pixels that features cross have the colours of their side
   std::vector<float> weights;  ///< empty: all 1; those that features cross have little
   std::shared_ptr<const spline::PlacedBasis> placed;
 
@@ -22,12 +22,14 @@ struct PlacedPixels {
 
 /// A picture whose pixels have known places.
 /// @param crossed 1 for pixels that features cross; empty: none.
+/// @param edge_softness how soft edges are in the picture (document::FrameModel).
 PlacedPixels placed_pixels(const image::Image& picture, std::shared_ptr<const spline::PlacedBasis> placed,
-                           std::span<const std::uint8_t> crossed);
+                           std::span<const std::uint8_t> crossed, double edge_softness);
 
 /// The same for the geometry of a surface.
 PlacedPixels place_pixels(const std::shared_ptr<const spline::Basis>& basis,
-                          std::span<const Vec2> displacement, const image::Image& picture);
+                          std::span<const Vec2> displacement, const image::Image& picture,
+                          double edge_softness);
 
 /// The surface of control points with these colours, function by function, at the pixels.
 std::shared_ptr<const spline::PixelSurface> surface_at(const PlacedPixels& pixels,

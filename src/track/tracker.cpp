@@ -16,6 +16,7 @@
 #include "knotreel/fit/knot_gradient.h"
 #include "knotreel/knots/refine.h"
 #include "knotreel/mesh/insert_polylines.h"
+#include "knotreel/raster/edge_softness.h"
 #include "knotreel/track/group_rule.h"
 #include "knotreel/track/idle_knots.h"
 #include "track/bend_geometry.h"
@@ -58,6 +59,7 @@ namespace {
 constexpr double kLeastShare = 0.25;    // of what features may use, that a group without any may come to
 constexpr double kFunctionsOfKnot = 3;  // about: the least by which a group grows
 constexpr int kFramesToBend = 16;
+constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 constexpr double kBoundLeeway = 0.003;  // of the bound, that new knots leave: links that change need room too
 
@@ -157,6 +159,7 @@ class Tracker::Impl {
     space_ = std::move(cold.space);
     mesh_ = space_->mesh();
     displacement_ = std::move(cold.displacement);
+    edge_softness_ = cold.edge_softness;
     basis_ = std::move(cold.basis);
     seen_ = std::move(cold.placed);
     colours_ = std::move(cold.colours);
@@ -175,6 +178,7 @@ class Tracker::Impl {
     since_births_ = 0;
     since_rework_ = options_.rework_interval;
     since_bend_ = options_.bend_interval;
+    since_softness_ = kSoftnessInterval;
     frames_to_bend_ = 0;
     has_new_features_ = false;
     next_id_ = EditableMesh(space_->mesh()).next_id();
@@ -200,7 +204,7 @@ class Tracker::Impl {
   }
 
   void look_at(const image::Image& picture) {
-    seen_ = place_pixels(basis_, displacement_, picture);
+    seen_ = place_pixels(basis_, displacement_, picture, edge_softness_);
     lap("places");
   }
 
@@ -246,6 +250,16 @@ class Tracker::Impl {
       ++report_->changes.repairs;
     }
     report_->survival = share_alive(before, space_->mesh());
+    if (++since_softness_ >= kSoftnessInterval) update_edge_softness(picture);
+  }
+
+  /// Curves lie less well in warm frames than in the cold one, and pictures get out of focus. Half of the
+  /// way, so that edges do not flicker.
+  void update_edge_softness(const image::Image& picture) {
+    since_softness_ = 0;
+    const double fitting = raster::fitting_edge_softness(model(picture, false), picture, basis_, surface_);
+    edge_softness_ = (edge_softness_ + fitting) / 2;
+    lap("softness");
   }
 
   /// Where the knots of the mesh prepared for this frame have gone.
@@ -513,6 +527,7 @@ class Tracker::Impl {
     model.displacement = displacement_;
     model.channels = picture.channels;
     model.colour = colours_.control;
+    model.edge_softness = edge_softness_;
     model.keyframe = keyframe;
     return model;
   }
@@ -526,6 +541,7 @@ class Tracker::Impl {
 
   std::shared_ptr<const spline::SplineSpace> space_;
   std::vector<Vec2> displacement_;
+  double edge_softness_ = 0;  ///< found when the group began
   PlacedPixels seen_;
   fit::ColourFit colours_;                               ///< the residual is that of seen_
   std::shared_ptr<const spline::PixelSurface> surface_;  ///< at seen_
@@ -556,6 +572,7 @@ class Tracker::Impl {
   int since_births_ = 0;           ///< frames
   int since_rework_ = 0;           ///< frames
   int since_bend_ = 0;             ///< frames
+  int since_softness_ = 0;         ///< frames
   int frames_to_bend_ = 0;         ///< in which curves are looked at whatever the interval
   bool has_new_features_ = false;  ///< that were never bent to their edges
 };

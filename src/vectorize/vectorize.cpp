@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <memory>
 #include <numeric>
 
@@ -16,6 +17,7 @@
 #include "knotreel/knots/refine.h"
 #include "knotreel/mesh/triangulate.h"
 #include "knotreel/param/parametrized_image.h"
+#include "knotreel/raster/edge_softness.h"
 #include "vectorize/feature_budget.h"
 #include "vectorize/first_knots.h"
 #include "vectorize/half_rows.h"
@@ -102,11 +104,7 @@ class Run {
     r.control_points = surface_.space->function_count();
     r.meg = meg_;
     measure(r);
-    model_ = {};
-    model_.space = surface_.space;
-    model_.displacement = displacement_;
-    model_.channels = picture_.channels;
-    model_.colour = surface_.fit.control;
+    model_ = current_model();
     r.raw_bytes = document::raw_accounting_bytes(model_);
     progress_.model = &model_;
     progress_.residual = &surface_.fit.residual;
@@ -513,6 +511,27 @@ class Run {
       lap("invert");
     }
     fit_all_pixels(basis);
+    if (has_features()) find_edge_softness();
+  }
+
+  void find_edge_softness() {
+    auto surface = std::make_shared<spline::PixelSurface>();
+    surface->basis = basis_;
+    surface->colours.resize(corrected_.samples.size());
+    std::transform(corrected_.samples.begin(), corrected_.samples.end(), surface_.fit.residual.begin(),
+                   surface->colours.begin(), std::minus());
+    edge_softness_ = raster::fitting_edge_softness(current_model(), picture_, basis_, std::move(surface));
+    lap("softness");
+  }
+
+  document::FrameModel current_model() const {
+    document::FrameModel model;
+    model.space = surface_.space;
+    model.displacement = displacement_;
+    model.channels = picture_.channels;
+    model.colour = surface_.fit.control;
+    model.edge_softness = edge_softness_;
+    return model;
   }
 
   /// After finish(). Takes what it needs.
@@ -552,6 +571,7 @@ class Run {
   std::shared_ptr<const spline::Basis> basis_;  ///< of the final surface
   std::vector<Vec2> displacement_;
   double meg_ = 0;
+  double edge_softness_ = 0;
   document::FrameModel model_;
 };
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <random>
+#include <string_view>
 
 #include "document/bytes.h"
 #include "document/container.h"
@@ -145,6 +146,27 @@ TEST(Corruption, DamageBeneathTheChecksumsIsHarmless) {
     EXPECT_GT(refused, kCases / 4);
     EXPECT_LT(refused, kCases) << "some damage changes numbers only";
   }
+}
+
+TEST(Corruption, EdgesSofterThanAllowedAreRefused) {
+  FrameModel model = testing::random_model(testing::random_mesh(64, 48, 30, 1, kSeed), 2, 3, kSeed);
+  model.frame = 0;
+  model.pts = 0;
+  model.edge_softness = 0;
+  const Bytes hard = testing::write_document({model});
+  model.edge_softness = 64 * document::kEdgeSoftnessStep;
+  Bytes soft = testing::write_document({model});
+  // The two differ first in the length of the frame, then in its flags; frame number and time are behind.
+  const std::string_view type = "FRAM";
+  const auto frame = std::search(soft.begin(), soft.end(), type.begin(), type.end(),
+                                 [](std::byte b, char c) { return b == static_cast<std::byte>(c); });
+  const auto softness = frame + 16 + 3;
+  ASSERT_EQ(soft.size(), hard.size() + 1);
+  ASSERT_EQ(*softness, std::byte{64});
+  ASSERT_EQ(try_document(soft), Outcome::kRead);
+  *softness = std::byte{65};
+  testing::reseal(soft);
+  EXPECT_EQ(try_document(soft), Outcome::kRefused);
 }
 
 TEST(Corruption, RefusesForeignFilesByName) {

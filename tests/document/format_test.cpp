@@ -24,6 +24,7 @@ void expect_same_model(const IndependentModel& independent, const FrameModel& mo
   const mesh::KnotMesh& mesh = space.mesh();
   ASSERT_EQ(independent.degree, space.degree());
   ASSERT_EQ(independent.channels, model.channels);
+  ASSERT_EQ(independent.edge_softness, model.edge_softness);
   ASSERT_EQ(independent.knots.size(), mesh.knots.size());
   for (std::size_t k = 0; k < mesh.knots.size(); ++k) {
     ASSERT_EQ(independent.knots[k][0], mesh.knots[k].position.x) << k;

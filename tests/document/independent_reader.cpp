@@ -723,9 +723,11 @@ IndependentModel read_independently(const std::vector<std::byte>& file) {
       colour_step = static_cast<double>(payload.varint()) / 512;
       displacement_step = static_cast<double>(payload.varint()) / 4096;
     } else if (type == "FRAM") {
-      require(payload.u8() == 3, "a keyframe");
+      const int flags = payload.u8();
+      require(flags == 3 || flags == 11, "a keyframe");
       payload.varint();
       payload.varint();
+      if (flags == 11) model.edge_softness = payload.u8() / 256.0;
       const int bits = payload.u8();
       const auto unit = static_cast<Integer>(payload.varint());
       Coded coded(payload);

@@ -17,6 +17,7 @@ struct IndependentModel {
   int height = 0;
   int channels = 0;
   int degree = 0;
+  double edge_softness = 0;
   std::vector<Point> knots;
   std::vector<std::uint32_t> ids;
   std::vector<std::array<int, 3>> faces;

@@ -181,6 +181,9 @@ TEST(Document, RefusesModelsThatDoNotFit) {
   EXPECT_TRUE(refuses([](FrameModel& m) { m.space = nullptr; }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.colour[3] = std::nan(""); }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.displacement[0].x = 1e12; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = 0.26; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = -0.01; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = std::nan(""); }));
 }
 
 TEST(Document, TakesAFinerGridWhereFacesWouldFlip) {

@@ -63,6 +63,7 @@ FrameModel random_model(mesh::KnotMesh mesh, int degree, int channels, std::uint
   for (std::size_t i = 0; i < model.space->function_count() * static_cast<std::size_t>(channels); ++i) {
     model.colour.push_back(uniform(random, -40, 300));
   }
+  model.edge_softness = static_cast<double>(below(random, 65)) * document::kEdgeSoftnessStep;
   model.pts = static_cast<std::int64_t>(seed % 1000);
   return model;
 }
@@ -245,6 +246,8 @@ FrameModel successor(const FrameModel& model, int swaps, std::uint64_t seed) {
   const auto channels = static_cast<std::size_t>(model.channels);
   next.colour.resize(space->function_count() * channels, 100);
   for (double& c : next.colour) c += uniform(random, -3, 3);
+  if (seed % 3 == 0)
+    next.edge_softness = static_cast<double>(below(random, 65)) * document::kEdgeSoftnessStep;
   return next;
 }
 
@@ -292,6 +295,7 @@ std::string difference(const FrameModel& a, const FrameModel& b) {
   if (a.displacement != b.displacement) return "displacements";
   if (a.channels != b.channels) return "channels";
   if (a.colour != b.colour) return "colours";
+  if (a.edge_softness != b.edge_softness) return "softness of edges";
   if (a.function_ids != b.function_ids) return "function ids";
   if (a.frame != b.frame || a.pts != b.pts || a.keyframe != b.keyframe)
     return "frame number, pts or keyframe";

@@ -26,7 +26,8 @@ document::FrameModel picture_model(int width, int height, int knots, std::uint64
 /// The same knots, faces and functions in another order, with the same control points.
 document::FrameModel shuffled(const document::FrameModel& model, std::uint64_t seed);
 
-/// The next frame of a sequence: some knots move, `swaps` are removed and as many inserted, colours drift.
+/// The next frame of a sequence: some knots move, `swaps` are removed and as many inserted, colours drift;
+/// the softness of edges changes if the seed is a multiple of 3.
 document::FrameModel successor(const document::FrameModel& model, int swaps, std::uint64_t seed);
 
 document::SequenceInfo info_of(const document::FrameModel& model);

@@ -84,6 +84,26 @@ TEST(Sequence, AFrameWithoutChangeCostsNextToNothing) {
   EXPECT_GT(reader.record(0).bytes, 1000u);
 }
 
+/// Where it alone changes, too.
+TEST(Sequence, TheSoftnessOfEdgesStaysUntilItChanges) {
+  FrameModel model = testing::random_model(testing::random_mesh(64, 48, 30, 1, kSeed), 2, 3, kSeed);
+  const std::vector<double> softness{0.125, 0.125, 0, 0.25, 0.25, 0.25};
+  std::ostringstream out;
+  document::Writer writer(out, testing::info_of(model));
+  for (std::size_t f = 0; f < softness.size(); ++f) {
+    model.frame = f;
+    model.pts = static_cast<std::int64_t>(f);
+    model.keyframe = f == 0 || f == 5;
+    model.edge_softness = softness[f];
+    EXPECT_EQ(writer.append(model).edge_softness, softness[f]);
+  }
+  writer.finish();
+  const std::string text = out.str();
+  const auto bytes = std::as_bytes(std::span(text));
+  Reader reader = Reader::open({bytes.begin(), bytes.end()});
+  for (std::size_t f = 0; f < softness.size(); ++f) EXPECT_EQ(reader.read(f).edge_softness, softness[f]) << f;
+}
+
 TEST(Sequence, FramesThatKeepTheTopologyAreSmall) {
   const Sequence s = encode(2);
   Reader reader = Reader::open(s.bytes);

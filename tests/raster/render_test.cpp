@@ -226,7 +226,8 @@ FrameModel busy_model() {
 }
 
 TEST(Render, SameBitsForAnyThreadCountBandAndCrop) {
-  const FrameModel model = busy_model();
+  FrameModel model = busy_model();
+  model.edge_softness = 0.1;
   for (const double scale : {0.4, 1.0, 2.7, 6.0}) {
     const RenderOptions options = at_scale(model, scale);
     std::vector<float> whole;
@@ -285,7 +286,8 @@ TEST(Render, RowsAloneEqualTheWholeWhereTilesFallBack) {
 }
 
 TEST(Render, SmallerPicturesAreMeansOfLargerOnes) {
-  const FrameModel model = two_coloured_model(2, kSeed);
+  FrameModel model = two_coloured_model(2, kSeed);
+  model.edge_softness = 0.1;
   const std::vector<float> full = render(model, at_scale(model, 1));
   const std::vector<float> half = render(model, at_scale(model, 0.5));
   for (int y = 0; y < 25; ++y) {

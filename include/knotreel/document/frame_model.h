@@ -9,6 +9,10 @@
 
 namespace knotreel::document {
 
+inline constexpr double kMostEdgeSoftness = 0.25;
+/// Documents have whole multiples of it.
+inline constexpr double kEdgeSoftnessStep = 1.0 / 256;
+
 /// One frame as a TCB-spline surface S(u) = sum B_I(u) c_I (paper Eq. 4): the spline space and the control
 /// points, whose geometry part is stored as the displacement from the Greville site.
 struct FrameModel {
@@ -24,6 +28,10 @@ struct FrameModel {
   /// Colour control points, function by function, channels interleaved; scale 0..255, values beyond that
   /// range are normal. Gamma-encoded sRGB (or whatever the source was).
   std::vector<double> colour;
+
+  /// How soft edges are in the picture that the model was made from, 0 to kMostEdgeSoftness: pixels next to
+  /// features are drawn through the filter (s, 1 - 2 s, s) along both axes. The surface itself jumps there.
+  double edge_softness = 0;
 
   /// Names of the control points, function by function, unique within the frame: a control point of the same
   /// name in another frame of the group is the same one (docs/format.md, "Identities"). Filled in by Writer

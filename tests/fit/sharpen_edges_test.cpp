@@ -1,0 +1,88 @@
+#include "knotreel/fit/sharpen_edges.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace knotreel::fit {
+namespace {
+
+constexpr double kSoftness = 0.12;
+
+double weight(int offset) {
+  return offset == 0 ? 1 - 2 * kSoftness : kSoftness;
+}
+
+/// Two flat sides of a slanted edge, and the pixels that it crosses.
+struct Scene {
+  image::Image sharp = image::make_image(24, 20, 3);
+  image::Image soft = sharp;
+  std::vector<std::uint8_t> crossed = std::vector<std::uint8_t>(24 * 20, 0);
+
+  Scene() {
+    for (int y = 0; y < 20; ++y) {
+      for (int x = 0; x < 24; ++x) {
+        const double across = x + 0.5 - 12 + 0.4 * (y + 0.5 - 10);
+        crossed[static_cast<std::size_t>(y * 24 + x)] = std::abs(across) < 0.7;
+        for (int c = 0; c < 3; ++c)
+          sharp.at(x, y, c) =
+              static_cast<float>(40 + 50 * c + 100 * std::clamp(across / 1.4 + 0.5, 0.0, 1.0));
+      }
+    }
+    for (int y = 0; y < 20; ++y)
+      for (int x = 0; x < 24; ++x)
+        for (int c = 0; c < 3; ++c) soft.at(x, y, c) = static_cast<float>(softened(x, y, c));
+  }
+
+  double softened(int x, int y, int c) const {
+    double sum = 0;
+    for (int v = -1; v <= 1; ++v)
+      for (int u = -1; u <= 1; ++u)
+        sum += weight(u) * weight(v) *
+               static_cast<double>(sharp.at(std::clamp(x + u, 0, 23), std::clamp(y + v, 0, 19), c));
+    return sum;
+  }
+
+  bool is_crossed(int x, int y) const { return crossed[static_cast<std::size_t>(y * 24 + x)]; }
+  bool is_beside(int x, int y) const {
+    for (int v = std::max(y - 1, 0); v <= std::min(y + 1, 19); ++v)
+      for (int u = std::max(x - 1, 0); u <= std::min(x + 1, 23); ++u)
+        if (is_crossed(u, v)) return !is_crossed(x, y);
+    return false;
+  }
+};
+
+TEST(SharpenEdges, BringsThePixelsBesideThemCloserToTheSharpPicture) {
+  const Scene scene;
+  image::Image picture = scene.soft;
+  sharpen_edges(picture, scene.crossed, kSoftness);
+  double before = 0;
+  double after = 0;
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      for (int c = 0; c < 3; ++c) {
+        if (!scene.is_beside(x, y)) {
+          EXPECT_EQ(picture.at(x, y, c), scene.soft.at(x, y, c)) << x << ' ' << y;
+          continue;
+        }
+        before += std::abs(static_cast<double>(scene.soft.at(x, y, c) - scene.sharp.at(x, y, c)));
+        after += std::abs(static_cast<double>(picture.at(x, y, c) - scene.sharp.at(x, y, c)));
+      }
+    }
+  }
+  EXPECT_LT(after, 0.5 * before);
+}
+
+TEST(SharpenEdges, LeavesPicturesWithHardOrWithoutEdgesAlone) {
+  const Scene scene;
+  image::Image picture = scene.soft;
+  sharpen_edges(picture, scene.crossed, 0);
+  EXPECT_EQ(picture.samples, scene.soft.samples);
+  sharpen_edges(picture, std::vector<std::uint8_t>(24 * 20, 0), kSoftness);
+  EXPECT_EQ(picture.samples, scene.soft.samples);
+}
+
+}  // namespace
+}  // namespace knotreel::fit
