@@ -101,6 +101,7 @@ nlohmann::ordered_json stats_json(const Arguments& arguments, const image::Image
                                {"triangles", space.mesh().faces.size()},
                                {"feature_segments", space.mesh().segments.size()},
                                {"control_points", space.function_count()},
+                               {"edge_softness", document.model.edge_softness},
                                {"raw_accounting_bytes", document::raw_accounting_bytes(document.model)},
                                {"file_bytes", document.bytes.size()}};
   stats.update(metrics_json(metrics));

@@ -38,6 +38,17 @@ std::vector<Place> places_beside(std::span<const std::uint8_t> crossed, int widt
   return places;
 }
 
+/// Whether a pixel and its neighbours have colours that are seen; the others mean nothing.
+bool is_opaque_around(const image::Image& picture, Place place) {
+  if (!picture.has_alpha()) return true;
+  for (int v = std::max(0, place.y - 1); v <= std::min(picture.height - 1, place.y + 1); ++v) {
+    for (int u = std::max(0, place.x - 1); u <= std::min(picture.width - 1, place.x + 1); ++u) {
+      if (picture.at(u, v, picture.channels - 1) < 255) return false;
+    }
+  }
+  return true;
+}
+
 }  // namespace
 
 void sharpen_edges(image::Image& picture, std::span<const std::uint8_t> crossed, double softness) {
@@ -56,7 +67,9 @@ void sharpen_edges(image::Image& picture, std::span<const std::uint8_t> crossed,
   const std::vector<Place> places = places_beside(crossed, picture.width, picture.height);
   std::vector<float> gains;
   for (const Place& p : places) {
-    for (int c = 0; c < picture.channels; ++c)
+    const int first = is_opaque_around(picture, p) ? 0 : picture.colour_channels();  // else alpha alone
+    gains.insert(gains.end(), static_cast<std::size_t>(first), 0.0F);
+    for (int c = first; c < picture.channels; ++c)
       gains.push_back(picture.at(p.x, p.y, c) - filtered(p.x, p.y, c));
   }
   auto gain = gains.begin();

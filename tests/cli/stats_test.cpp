@@ -42,17 +42,29 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
   const SharpSample sample;
   expect_success(sample.vectorize({"--stats", sample.stats}));
   const json stats = json::parse(read_text(sample.stats));
-  expect_keys(stats, {"version",        "input",
-                      "output",         "width",
-                      "height",         "channels",
-                      "preset",         "threads",
-                      "options",        "features",
-                      "rounds",         "knots",
-                      "triangles",      "feature_segments",
-                      "control_points", "raw_accounting_bytes",
-                      "file_bytes",     "mec",
-                      "rmse",           "psnr",
-                      "ssim",           "seconds"});
+  expect_keys(stats, {"version",
+                      "input",
+                      "output",
+                      "width",
+                      "height",
+                      "channels",
+                      "preset",
+                      "threads",
+                      "options",
+                      "features",
+                      "rounds",
+                      "knots",
+                      "triangles",
+                      "feature_segments",
+                      "control_points",
+                      "raw_accounting_bytes",
+                      "edge_softness",
+                      "file_bytes",
+                      "mec",
+                      "rmse",
+                      "psnr",
+                      "ssim",
+                      "seconds"});
   expect_keys(stats["options"], {"degree",
                                  "mec",
                                  "meg",
@@ -92,6 +104,8 @@ TEST(CliStats, AreConsistent) {
   EXPECT_EQ(stats["file_bytes"], fs::file_size(sample.document));
   EXPECT_GT(stats["features"]["pixels"], 50);
   EXPECT_GT(stats["feature_segments"], 0);
+  EXPECT_GE(stats["edge_softness"], 0.0);
+  EXPECT_LE(stats["edge_softness"], 0.25);
 
   const json& rounds = stats["rounds"];
   ASSERT_GE(rounds.size(), 2u);

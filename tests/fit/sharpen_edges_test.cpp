@@ -84,5 +84,28 @@ TEST(SharpenEdges, LeavesPicturesWithHardOrWithoutEdgesAlone) {
   EXPECT_EQ(picture.samples, scene.soft.samples);
 }
 
+TEST(SharpenEdges, InvisibleColoursDoNotBleed) {
+  // Opaque and flat at the left of the edge, transparent with a colour of no meaning at the right.
+  const Scene scene;
+  image::Image picture = image::make_image(24, 20, 4);
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      const float alpha = (scene.soft.at(x, y, 0) - 40) * 2.55F;
+      for (int c = 0; c < 3; ++c) picture.at(x, y, c) = alpha < 255 ? 900.0F : 40.0F;
+      picture.at(x, y, 3) = alpha;
+    }
+  }
+  const image::Image before = picture;
+  sharpen_edges(picture, scene.crossed, kSoftness);
+  int changed = 0;
+  for (int y = 0; y < 20; ++y) {
+    for (int x = 0; x < 24; ++x) {
+      for (int c = 0; c < 3; ++c) EXPECT_EQ(picture.at(x, y, c), before.at(x, y, c)) << x << ' ' << y;
+      changed += picture.at(x, y, 3) != before.at(x, y, 3);
+    }
+  }
+  EXPECT_GT(changed, 20) << "alpha has an edge, too";
+}
+
 }  // namespace
 }  // namespace knotreel::fit
