@@ -33,7 +33,7 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
       placed_pixels(picture,
                     std::make_shared<const spline::PlacedBasis>(frame->basis, picture.width, picture.height,
                                                                 std::move(made.fitted.places)),
-                    made.fitted.crossed, 0);
+                    made.fitted.crossed, 0);  // it was not fitted to a sharpened picture
   frame->surface = surface_at(frame->placed, frame->colours.control);
   frame->colours.residual = residual_of(frame->placed, *frame->surface);
   frame->milliseconds.emplace_back("measure", milliseconds_since(fitted));

@@ -6,14 +6,12 @@
 #include <cmath>
 #include <vector>
 
+#include "support/pictures.h"
+
 namespace knotreel::fit {
 namespace {
 
 constexpr double kSoftness = 0.12;
-
-double weight(int offset) {
-  return offset == 0 ? 1 - 2 * kSoftness : kSoftness;
-}
 
 /// Two flat sides of a slanted edge, and the pixels that it crosses.
 struct Scene {
@@ -31,18 +29,7 @@ struct Scene {
               static_cast<float>(40 + 50 * c + 100 * std::clamp(across / 1.4 + 0.5, 0.0, 1.0));
       }
     }
-    for (int y = 0; y < 20; ++y)
-      for (int x = 0; x < 24; ++x)
-        for (int c = 0; c < 3; ++c) soft.at(x, y, c) = static_cast<float>(softened(x, y, c));
-  }
-
-  double softened(int x, int y, int c) const {
-    double sum = 0;
-    for (int v = -1; v <= 1; ++v)
-      for (int u = -1; u <= 1; ++u)
-        sum += weight(u) * weight(v) *
-               static_cast<double>(sharp.at(std::clamp(x + u, 0, 23), std::clamp(y + v, 0, 19), c));
-    return sum;
+    soft = test::softened(sharp, kSoftness);
   }
 
   bool is_crossed(int x, int y) const { return crossed[static_cast<std::size_t>(y * 24 + x)]; }

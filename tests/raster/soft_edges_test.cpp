@@ -10,6 +10,7 @@
 #include "raster/soften.h"
 #include "raster/surface.h"
 #include "support/models.h"
+#include "support/pictures.h"
 
 namespace knotreel::raster {
 namespace {
@@ -47,19 +48,6 @@ image::Image drawn(const FrameModel& model, int width = 0, int height = 0) {
   return picture;
 }
 
-/// By the definition: the filter along both axes, over the picture with its border pixels repeated.
-double filtered(const image::Image& picture, int x, int y, int channel, double s) {
-  double sum = 0;
-  for (int v = -1; v <= 1; ++v) {
-    for (int u = -1; u <= 1; ++u) {
-      const auto sample = picture.at(std::clamp(x + u, 0, picture.width - 1),
-                                     std::clamp(y + v, 0, picture.height - 1), channel);
-      sum += (u == 0 ? 1 - 2 * s : s) * (v == 0 ? 1 - 2 * s : s) * static_cast<double>(sample);
-    }
-  }
-  return sum;
-}
-
 TEST(SoftEdges, AreThePictureWithHardOnesThroughTheFilterNextToFeaturesAndNowhereElse) {
   FrameModel model = featured_model(3);
   const FeatureTrace trace(Surface(model), model.space->mesh());
@@ -79,7 +67,7 @@ TEST(SoftEdges, AreThePictureWithHardOnesThroughTheFilterNextToFeaturesAndNowher
         });
         near += is_near;
         for (int c = 0; c < 3; ++c) {
-          const auto expected = is_near ? filtered(hard, x, y, c, 0.15) : hard.at(x, y, c);
+          const auto expected = is_near ? test::softened(hard, x, y, c, 0.15) : hard.at(x, y, c);
           ASSERT_NEAR(soft.at(x, y, c), expected, is_near ? 1e-3 : 0) << x << ' ' << y;
         }
       }
@@ -146,11 +134,8 @@ TEST(FittingEdgeSoftness, IsWithinBoundsWhateverThePicture) {
   FrameModel model = featured_model(1);
   model.edge_softness = 0.25;
   image::Image picture = drawn(model);
-  for (int round = 0; round < 3; ++round) {  // softer than any edge that is drawn
-    const image::Image before = picture;
-    for (int y = 0; y < 40; ++y)
-      for (int x = 0; x < 48; ++x) picture.at(x, y, 0) = static_cast<float>(filtered(before, x, y, 0, 0.25));
-  }
+  // Softer than any edge that is drawn.
+  for (int round = 0; round < 3; ++round) picture = test::softened(picture, 0.25);
   EXPECT_EQ(fitting_edge_softness(model, picture, nullptr, nullptr), document::kMostEdgeSoftness);
 }
 

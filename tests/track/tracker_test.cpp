@@ -16,6 +16,7 @@
 #include "knotreel/document/writer.h"
 #include "knotreel/raster/render.h"
 #include "knotreel/vectorize/vectorize.h"
+#include "support/pictures.h"
 
 namespace knotreel::track {
 namespace {
@@ -89,29 +90,11 @@ TEST(Tracker, FramesAreWarmAndGood) {
   EXPECT_LT(warm_error, 1.2 * cold_error);
 }
 
-/// Drawn from the model, the disk's edge is as soft as in the pictures; and that is stored where it is.
+/// In the first frame, and in the second, where softness is looked for again.
 TEST(Tracker, EdgesAreAsSoftAsInThePictures) {
-  const auto softened = [](const image::Image& sharp) {
-    image::Image soft = sharp;
-    const auto at = [&](int x, int y, int c) {
-      return sharp.at(std::clamp(x, 0, sharp.width - 1), std::clamp(y, 0, sharp.height - 1), c);
-    };
-    for (int y = 0; y < sharp.height; ++y) {
-      for (int x = 0; x < sharp.width; ++x) {
-        for (int c = 0; c < 3; ++c) {
-          float sum = 0;
-          for (int i = 0; i < 9; ++i)
-            sum += (i % 3 == 1 ? 0.75F : 0.125F) * (i / 3 == 1 ? 0.75F : 0.125F) *
-                   at(x - 1 + i % 3, y - 1 + i / 3, c);
-          soft.at(x, y, c) = sum;
-        }
-      }
-    }
-    return soft;
-  };
   std::vector<image::Image> sharp = moving(3);
   std::vector<image::Image> soft;
-  for (const image::Image& picture : sharp) soft.push_back(softened(picture));
+  for (const image::Image& picture : sharp) soft.push_back(test::softened(picture, 0.125));
   const Tracked sharp_run = track(sharp, {});
   const Tracked soft_run = track(soft, {});
   for (std::size_t i = 0; i < sharp.size(); ++i) {
