@@ -9,11 +9,6 @@ namespace {
 
 constexpr std::uint32_t kTopByte = 0xff000000;
 
-/// Where [low, high] is cut for a bit: ones take the lower part.
-std::uint32_t cut(std::uint32_t low, std::uint32_t high, std::uint32_t one) {
-  return low + static_cast<std::uint32_t>((std::uint64_t{high - low} * one) >> 16);
-}
-
 }  // namespace
 
 void ArithmeticWriter::narrow(std::uint32_t middle, bool value) {
@@ -27,12 +22,6 @@ void ArithmeticWriter::narrow(std::uint32_t middle, bool value) {
     low_ <<= 8;
     high_ = (high_ << 8) | 0xff;
   }
-}
-
-bool ArithmeticWriter::bit(BitModel& model, bool value) {
-  narrow(cut(low_, high_, model.one()), value);
-  model.learn(value);
-  return value;
 }
 
 std::uint64_t ArithmeticWriter::even_bits(std::uint64_t value, int count) {
@@ -74,12 +63,6 @@ bool ArithmeticReader::narrow(std::uint32_t middle) {
     high_ = (high_ << 8) | 0xff;
     code_ = (code_ << 8) | next_byte();
   }
-  return value;
-}
-
-bool ArithmeticReader::bit(BitModel& model, bool) {
-  const bool value = narrow(cut(low_, high_, model.one()));
-  model.learn(value);
   return value;
 }
 

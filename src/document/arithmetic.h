@@ -28,12 +28,23 @@ class BitModel {
   std::uint16_t seen_ = 0;
 };
 
+/// Where [low, high] is cut for a bit: ones take the lower part.
+inline std::uint32_t cut(std::uint32_t low, std::uint32_t high, std::uint32_t one) {
+  return low + static_cast<std::uint32_t>((std::uint64_t{high - low} * one) >> 16);
+}
+
 class ArithmeticWriter {
  public:
   static constexpr bool kWriting = true;
 
-  /// @return the bit, so that writer and reader can share their code.
-  bool bit(BitModel& model, bool value);
+  /// @param model  a BitModel or what has its functions. @return the bit, so that writer and reader can share
+  /// their code.
+  template <class Model>
+  bool bit(Model&& model, bool value) {
+    narrow(cut(low_, high_, model.one()), value);
+    model.learn(value);
+    return value;
+  }
   /// `count` bits, highest first, whose chances are even.
   std::uint64_t even_bits(std::uint64_t value, int count);
 
@@ -55,8 +66,13 @@ class ArithmeticReader {
 
   explicit ArithmeticReader(std::span<const std::byte> bytes);
 
-  /// The argument is what a writer would be given; it is not used.
-  bool bit(BitModel& model, bool = false);
+  /// The second argument is what a writer would be given; it is not used.
+  template <class Model>
+  bool bit(Model&& model, bool = false) {
+    const bool value = narrow(cut(low_, high_, model.one()));
+    model.learn(value);
+    return value;
+  }
   std::uint64_t even_bits(std::uint64_t, int count);
 
   /// @throws Malformed if anything but zeros follows what was read.

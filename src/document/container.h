@@ -13,7 +13,7 @@
 namespace knotreel::document {
 
 inline constexpr std::array<std::uint8_t, 8> kMagic{0x89, 'T', 'C', 'B', 0x0D, 0x0A, 0x1A, 0x0A};
-inline constexpr std::uint32_t kVersion = 2;
+inline constexpr std::uint32_t kVersion = 3;
 inline constexpr std::size_t kPreambleBytes = kMagic.size() + 4;
 
 /// Four ASCII letters, the first in the lowest byte; a lower-case first letter marks a chunk that readers may

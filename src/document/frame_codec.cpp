@@ -55,6 +55,15 @@ bool unchanged(const FrameState& x, const FrameState& y) {
          same_topology(x, y);
 }
 
+/// The frame before once more, with all that is only there for prediction.
+FrameState repeated(const FrameState& before, const FramePrefix& prefix) {
+  FrameState state = before;
+  state.frame = prefix.frame;
+  state.pts = prefix.pts;
+  state.keyframe = false;
+  return state;
+}
+
 /// Matches of a state with the frame before; no knots without one.
 Matches match(const FrameState& state, const FrameState* before, bool topology_stored) {
   if (!before) return {std::vector<std::uint32_t>(state.mesh().knots.size(), kNoMatch), {}, {}};
@@ -154,10 +163,7 @@ std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before,
   out.varint(state.frame);
   out.svarint(state.pts);
   if (nothing) {
-    state.colour_unit = before->colour_unit;
-    state.models = before->models;
-    state.function_ids = before->function_ids;
-    state.next_function_id = before->next_function_id;
+    state = repeated(*before, {false, state.frame, state.pts});
     return out.take();
   }
   if (store_softness) out.u8(state.edge_softness);
@@ -174,7 +180,7 @@ std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before,
   }
   const KnotLayout layout{mesh, state.discoveries, state.border_count, state.domain_corners};
   KnotCoding(coder, models.positions, layout, PreviousKnots(before, matches.knots, state.grid.bits),
-             state.grid)
+             state.grid, state.history.stays)
       .run();
   if (store_topology) write_links(*state.space, before, models.links, coder);
   code_displacements(coder, models.controls, state, before, matches);
@@ -209,11 +215,7 @@ FrameState decode_frame(std::span<const std::byte> payload, const FrameState* be
     if (std::ranges::any_of(in.take(in.remaining()), [](std::byte b) { return b != std::byte{0}; })) {
       malformed("data after the end of a frame");
     }
-    FrameState same = *before;
-    same.frame = state.frame;
-    same.pts = state.pts;
-    same.keyframe = false;
-    return same;
+    return repeated(*before, prefix);
   }
   state.edge_softness = flags & kSoftness ? in.u8() : before ? before->edge_softness : std::uint8_t{0};
   if (state.edge_softness > kMostSoftness) malformed("edges are softer than allowed");
@@ -244,7 +246,7 @@ FrameState decode_frame(std::span<const std::byte> payload, const FrameState* be
 
   const KnotLayout layout{topology.mesh, state.discoveries, state.border_count, state.domain_corners};
   KnotCoding(coder, state.models.positions, layout, PreviousKnots(before, topology.matches, state.grid.bits),
-             state.grid)
+             state.grid, state.history.stays)
       .run();
   set_positions(topology.mesh, state.grid);
   if (const auto defect = mesh::find_defect(topology.mesh)) malformed(*defect);

@@ -50,16 +50,56 @@ struct ResidualModels {
   std::array<BitModel, 3> negative;  ///< by the sign of those around: none or mixed, positive, negative
 };
 
+inline constexpr std::size_t kSmallClasses = 7;  ///< of magnitudes, where few classes do
+inline constexpr std::size_t kAreaClasses = 12;  ///< of triangles and polygons
+
+/// Whether a free knot has stayed in its place (docs/format.md, "Free knots of other frames").
+struct StayModels {
+  std::array<BitModel, 8 * 16> around;   ///< by its last three frames, and how many around are old and moved
+  std::array<BitModel, 16 * 4> history;  ///< by its last four frames, and whether it was expected to move
+  std::array<BitModel, kSmallClasses * kSmallClasses * 4> expected;  ///< by the move expected of it
+  Mixer<3> mixer;
+};
+
+/// One coordinate of a free knot of a frame that is no keyframe, mixed with its ResidualModels.
+struct MovingKnotModels {
+  std::array<ShortNumberModel, kSmallClasses * ResidualModels::kSizes> beside;  ///< by its other coordinate
+  std::array<ShortNumberModel, 16 * kSmallClasses> around;  ///< by how many around are old and moved
+  std::array<ShortNumberModel, kAreaClasses * ResidualModels::kSizes> area;  ///< by the triangle expected
+  std::array<ShortNumberModel, kSmallClasses * kSmallClasses> expected;      ///< by the move expected of it
+  NumberMixer<5> magnitude;
+  std::array<BitModel, 3 * kSmallClasses> along;   ///< signs by the move expected
+  std::array<BitModel, 3 * kSmallClasses> nearby;  ///< signs by the mean of those around
+  Mixer<3> sign;
+};
+
 struct PositionModels {
   std::array<ResidualModels, 2> border;  ///< new, old
   std::array<ResidualModels, 2> vertex;
   std::array<ResidualModels, 2> parameter;
   std::array<std::array<ResidualModels, 2>, 2> free;  ///< by x and y
+  StayModels stays;
+  std::array<std::array<MovingKnotModels, 2>, 2> moving;  ///< new, old; by x and y
+};
+
+/// A channel of a control colour of a frame that is no keyframe, mixed with its ResidualModels
+/// (docs/format.md, "Colours of other frames").
+struct ChangingColourModels {
+  static constexpr std::size_t kChanges = 9;                            ///< of an area since the frame before
+  std::array<ShortNumberModel, kSmallClasses * kSmallClasses> earlier;  ///< by the channels before
+  std::array<ShortNumberModel, kChanges * kAreaClasses> shape;          ///< by the polygon and its change
+  std::array<ShortNumberModel, kAreaClasses * kSmallClasses> history;  ///< by the polygon and the last change
+  NumberMixer<4> magnitude;
+  std::array<BitModel, 9> earlier_sign;                 ///< by those of the channels before
+  std::array<BitModel, 3 * kSmallClasses> last_sign;    ///< by the last change
+  std::array<BitModel, 3 * kSmallClasses> nearby_sign;  ///< by the mean of those around
+  Mixer<4> sign;
 };
 
 struct ControlModels {
-  std::array<std::array<ResidualModels, 2>, 2> displacement;  ///< by new and old, x and y
-  std::array<std::array<ResidualModels, 4>, 2> colour;        ///< by new and old, channel
+  std::array<std::array<ResidualModels, 2>, 2> displacement;    ///< by new and old, x and y
+  std::array<std::array<ResidualModels, 4>, 2> colour;          ///< by new and old, channel
+  std::array<std::array<ChangingColourModels, 4>, 2> changing;  ///< the same
 };
 
 struct FrameModels {

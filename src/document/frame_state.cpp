@@ -1,5 +1,6 @@
 #include "document/frame_state.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace knotreel::document {
@@ -24,6 +25,40 @@ FrameModel to_model(const FrameState& state, const Format& format) {
   for (const std::int64_t c : state.colour)
     model.colour.push_back(static_cast<double>(c) * format.colour_scale());
   return model;
+}
+
+GridPoint in_sixteenths(GridPoint p, int bits) {
+  constexpr int kBits = 4;
+  if (bits >= kBits) return {p.x >> (bits - kBits), p.y >> (bits - kBits)};
+  const std::int64_t scale = std::int64_t{1} << (kBits - bits);
+  return {p.x * scale, p.y * scale};
+}
+
+std::vector<std::int64_t> polygon_areas(const spline::SplineSpace& space, const KnotGrid& grid) {
+  std::vector<GridPoint> points;
+  points.reserve(space.cut().corners.size());
+  for (const mesh::Corner& c : space.cut().corners) {
+    points.push_back(in_sixteenths(grid.points[c.knot], grid.bits));
+  }
+  // A hostile link can go to and fro so often that sums wrap.
+  std::vector<std::uint64_t> sums(space.function_count());
+  for (const spline::Config& c : space.configs()) {
+    for (std::size_t v = 0; v < 3; ++v) {
+      const spline::FunctionIndex f = c.functions[v];
+      if (f == spline::kNoFunction) continue;
+      const GridPoint o = points[space.functions()[f].knots[0]];
+      const GridPoint a = points[c.triangle[(v + 1) % 3]];
+      const GridPoint b = points[c.triangle[(v + 2) % 3]];
+      sums[f] += static_cast<std::uint64_t>((a.x - o.x) * (b.y - o.y) - (a.y - o.y) * (b.x - o.x));
+    }
+  }
+  constexpr std::int64_t kMost = std::int64_t{1} << 50;  // more than the largest domain has
+  std::vector<std::int64_t> areas;
+  areas.reserve(sums.size());
+  for (const std::uint64_t s : sums) {
+    areas.push_back(std::clamp(static_cast<std::int64_t>(s), -kMost, kMost));
+  }
+  return areas;
 }
 
 void set_kinds(mesh::KnotMesh& mesh, KnotIndex border_count, const std::array<KnotIndex, 4>& domain_corners) {

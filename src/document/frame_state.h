@@ -49,6 +49,13 @@ struct KnotGrid {
   std::vector<std::int64_t> parameters;  ///< of kSegment knots: place on the segment in 1/65536, else 0
 };
 
+/// What the next frame of the group may be expected from besides the frame itself. Not part of the picture.
+struct FrameHistory {
+  std::vector<std::int64_t> areas;   ///< by function, see polygon_areas()
+  std::vector<std::int8_t> changes;  ///< `channels` per function: the difference coded, clamped; 0 if new
+  std::vector<std::uint8_t> stays;   ///< by knot: bit i says that it stayed i frames ago, of the last four
+};
+
 /// A frame as the file has it, in integers and canonical order, together with what follows from it.
 struct FrameState {
   std::uint64_t frame = 0;
@@ -67,12 +74,20 @@ struct FrameState {
   std::vector<std::uint32_t> function_ids;
   std::uint32_t next_function_id = 0;  ///< of the group, so far
   FrameModels models;                  ///< of the group, after this frame
+  FrameHistory history;
 
   const mesh::KnotMesh& mesh() const { return space->mesh(); }
 };
 
 /// The frame in pixels and levels.
 FrameModel to_model(const FrameState& state, const Format& format);
+
+/// A point of a grid in 1/16 px, towards minus infinity.
+GridPoint in_sixteenths(GridPoint p, int bits);
+
+/// Twice the areas of the polygons that the functions belong to (docs/format.md, "Colours of other frames"),
+/// in 1/256 px^2.
+std::vector<std::int64_t> polygon_areas(const spline::SplineSpace& space, const KnotGrid& grid);
 
 /// Kinds from the topology: on the border kVertex for domain corners and ends of segments, else kBorder;
 /// inside kVertex for ends of segments, kSegment inside segments, else kFree.

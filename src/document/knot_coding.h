@@ -49,6 +49,9 @@ class PreviousKnots {
     return {scaled(p.x), scaled(p.y)};
   }
   std::int64_t parameter(std::uint32_t match) const { return before_->grid.parameters[match]; }
+  /// Whether there is a frame before.
+  bool any() const { return before_ != nullptr; }
+  std::uint8_t stays(std::uint32_t match) const { return before_->history.stays[match]; }
 
  private:
   std::int64_t scaled(std::int64_t v) const {
@@ -65,12 +68,13 @@ template <class Coder>
 class KnotCoding {
  public:
   KnotCoding(Coder& coder, PositionModels& models, const KnotLayout& layout, const PreviousKnots& previous,
-             KnotGrid& grid)
+             KnotGrid& grid, std::vector<std::uint8_t>& stays)
       : coder_(coder),
         models_(models),
         layout_(layout),
         previous_(previous),
         grid_(grid),
+        stays_(stays),
         width_(static_cast<std::int64_t>(layout.mesh.width) << grid.bits),
         height_(static_cast<std::int64_t>(layout.mesh.height) << grid.bits) {}
 
@@ -178,31 +182,105 @@ class KnotCoding {
       if (layout_.mesh.knots[k].kind != KnotKind::kFree && previous_.matched(k)) set_move(k);
     }
     sizes_.resize(moves_.size());
+    stays_.assign(layout_.mesh.knots.size(), 0);
     for (KnotIndex k = layout_.border_count; k < layout_.mesh.knots.size(); ++k) {
-      if (layout_.mesh.knots[k].kind != KnotKind::kFree) continue;
-      const Discovery& d = layout_.discoveries[k - layout_.border_count];
-      const auto* match = previous_.match(k, KnotKind::kFree);
-      const GridPoint prediction = match ? carried(previous_.point(*match), d) : across(d);
-      Around around_x;
-      Around around_y;
-      for (const KnotIndex gate : {d.a, d.b, d.behind}) {
-        if (gate == kNoKnot) continue;
-        around_x.add(sizes_[gate][0]);
-        around_y.add(sizes_[gate][1]);
-      }
-      GridPoint& p = grid_.points[k];
-      auto& models = models_.free[match ? 1 : 0];
-      const std::int64_t x = code_residual(coder_, models[0], around_x, p.x, prediction.x);
+      if (layout_.mesh.knots[k].kind == KnotKind::kFree) free_knot(k);
+    }
+  }
+
+  void free_knot(KnotIndex k) {
+    const Discovery& d = layout_.discoveries[k - layout_.border_count];
+    const auto* match = previous_.match(k, KnotKind::kFree);
+    const GridPoint was = match ? previous_.point(*match) : GridPoint{};
+    const GridPoint prediction = match ? carried(was, d) : across(d);
+    GridPoint& p = grid_.points[k];
+    const GridPoint expected = match ? GridPoint{prediction.x - was.x, prediction.y - was.y} : GridPoint{};
+    const std::size_t moved = around_moved(d);
+    bool stays = false;
+    if (match) {
+      const std::uint8_t history = previous_.stays(*match);
+      stays = coder_.bit(stay_model(history, moved, expected), p == was);
+      if (stays) p = was;
+      stays_[k] = static_cast<std::uint8_t>(((history << 1) | (stays ? 1 : 0)) & 15);
+    }
+    if (!stays) code_free(d, match != nullptr, moved, expected, prediction, p);
+    require_inside(p);
+    if (match) {
+      sizes_[k][0].add(p.x - prediction.x);
+      sizes_[k][1].add(p.y - prediction.y);
+      set_move(k);
+    }
+  }
+
+  void code_free(const Discovery& d, bool old, std::size_t moved, GridPoint expected, GridPoint prediction,
+                 GridPoint& p) {
+    Around around_x;
+    Around around_y;
+    for (const KnotIndex gate : {d.a, d.b, d.behind}) {
+      if (gate == kNoKnot) continue;
+      around_x.add(sizes_[gate][0]);
+      around_y.add(sizes_[gate][1]);
+    }
+    auto& alone = models_.free[old ? 1 : 0];
+    if (!previous_.any()) {
+      const std::int64_t x = code_residual(coder_, alone[0], around_x, p.x, prediction.x);
       around_y.size += x < 0 ? -x : x;
       ++around_y.count;
-      const std::int64_t y = code_residual(coder_, models[1], around_y, p.y, prediction.y);
-      require_inside(p);
-      if (match) {
-        sizes_[k][0].add(x);
-        sizes_[k][1].add(y);
-        set_move(k);
-      }
+      code_residual(coder_, alone[1], around_y, p.y, prediction.y);
+      return;
     }
+    auto& models = models_.moving[old ? 1 : 0];
+    const std::size_t area = area_class(area_at(d, prediction));
+    const std::int64_t x =
+        code_moved(models[0], alone[0], around_x, 0, moved, area, expected.x, expected.y, p.x, prediction.x);
+    around_y.size += x < 0 ? -x : x;
+    ++around_y.count;
+    code_moved(models[1], alone[1], around_y, x, moved, area, expected.y, expected.x, p.y, prediction.y);
+  }
+
+  std::int64_t code_moved(MovingKnotModels& models, ResidualModels& alone, const Around& around,
+                          std::int64_t other, std::size_t moved, std::size_t area, std::int64_t along,
+                          std::int64_t across, std::int64_t& value, std::int64_t prediction) {
+    const std::size_t size = expected_size(around);
+    MixedNumber<4> magnitude(alone.magnitude[size],
+                             {&models.beside[small_class(other) * ResidualModels::kSizes + size],
+                              &models.around[moved * kSmallClasses + small_class(other)],
+                              &models.area[area * ResidualModels::kSizes + size],
+                              &models.expected[small_class(along) * kSmallClasses + small_class(across)]},
+                             models.magnitude);
+    return code_difference(
+        coder_, magnitude,
+        MixedBit<3>({&alone.negative[sign_class(around.sum)], &models.along[signed_class(along)],
+                     &models.nearby[signed_class(around.twice_mean())]},
+                    models.sign),
+        value, prediction);
+  }
+
+  MixedBit<3> stay_model(std::uint8_t history, std::size_t moved, GridPoint expected) {
+    StayModels& m = models_.stays;
+    const std::size_t moves = (expected.x != 0 ? 2u : 0u) + (expected.y != 0 ? 1u : 0u);
+    return {{&m.around[(history & 7u) * 16 + moved], &m.history[history * 4u + moves],
+             &m.expected[(small_class(expected.x) * kSmallClasses + small_class(expected.y)) * 4 +
+                         (history & 3u)]},
+            m.mixer};
+  }
+
+  /// Of the knots around a gate, 4 times the number of those that have moved, and the number of old ones.
+  std::size_t around_moved(const Discovery& d) const {
+    std::size_t result = 0;
+    for (const KnotIndex k : {d.a, d.b, d.behind}) {
+      if (k == kNoKnot || !moves_[k].known) continue;
+      result += moves_[k].x != 0 || moves_[k].y != 0 ? 5 : 1;
+    }
+    return result;
+  }
+
+  /// Twice the area of a triangle over the gate, in 1/256 px^2.
+  std::int64_t area_at(const Discovery& d, GridPoint p) const {
+    const GridPoint a = in_sixteenths(grid_.points[d.a], grid_.bits);
+    const GridPoint b = in_sixteenths(grid_.points[d.b], grid_.bits);
+    const GridPoint c = in_sixteenths(p, grid_.bits);
+    return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
   }
 
   static Around latest(std::int64_t difference) {
@@ -263,6 +341,7 @@ class KnotCoding {
   const KnotLayout& layout_;
   const PreviousKnots& previous_;
   KnotGrid& grid_;
+  std::vector<std::uint8_t>& stays_;  ///< of the frame's history
   std::int64_t width_;
   std::int64_t height_;
   std::vector<Move> moves_;                   ///< by knot

@@ -177,9 +177,9 @@ TEST(Corruption, RefusesForeignFilesByName) {
   EXPECT_NE(message.find("not a .tcb document"), std::string::npos);
 
   Bytes newer = small_document();
-  newer[document::kMagic.size()] = std::byte{3};
+  newer[document::kMagic.size()] = std::byte{4};
   EXPECT_EQ(try_document(newer, &message), Outcome::kRefused);
-  EXPECT_NE(message.find("format version 3"), std::string::npos);
+  EXPECT_NE(message.find("format version 4"), std::string::npos);
 
   EXPECT_THROW(Reader::open(std::filesystem::temp_directory_path()), Error);
   EXPECT_THROW(Reader::open("/nonexistent/file.tcb"), Error);

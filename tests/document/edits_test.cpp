@@ -90,5 +90,42 @@ TEST(Edits, CostWhatTheyChange) {
             240u);
 }
 
+TEST(Edits, KnotsThatStayAmongMovingOnesCostNoMoreThanMovesByOneStep) {
+  // A third of the knots does not go along with the others, which all move alike, to and fro.
+  const mesh::KnotMesh start = testing::random_mesh(640, 480, 300, 4, kSeed);
+  const auto last_bytes = [&](auto move_of_third) {
+    mesh::KnotMesh mesh = start;
+    std::ostringstream out;
+    FrameModel model = plain_frame(mesh, 2, kSeed, false);
+    document::Writer writer(out, testing::info_of(model));
+    writer.append(model);
+    std::mt19937_64 random(kSeed);
+    constexpr std::size_t kFrames = 8;
+    for (std::size_t f = 1; f <= kFrames; ++f) {
+      mesh::KnotMesh moved = mesh;
+      for (std::size_t k = 0; k < moved.knots.size(); ++k) {
+        if (moved.knots[k].kind != mesh::KnotKind::kFree) continue;
+        const Vec2 move = k % 3 == 0 ? move_of_third(random) : Vec2{0.375, 0.25};
+        moved.knots[k].position = moved.knots[k].position + (f % 2 == 0 ? -1.0 : 1.0) * move;
+      }
+      EXPECT_FALSE(mesh::find_defect(moved)) << f;
+      mesh = moved;
+      model = plain_frame(mesh, 2, kSeed, false);
+      model.keyframe = false;
+      model.frame = f;
+      writer.append(model);
+    }
+    writer.finish();
+    return Reader::open(bytes_of(out)).record(kFrames).bytes;
+  };
+  const auto staying = last_bytes([](std::mt19937_64&) { return Vec2{0, 0}; });
+  const auto stepping = last_bytes([](std::mt19937_64& random) {
+    const auto step = [&] { return static_cast<double>(random() % 3) / 16 - 1.0 / 16; };
+    const double x = step();
+    return Vec2{0.375 + x, 0.25 + step()};
+  });
+  EXPECT_LE(staying, stepping);
+}
+
 }  // namespace
 }  // namespace knotreel

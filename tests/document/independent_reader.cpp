@@ -701,7 +701,7 @@ IndependentModel read_independently(const std::vector<std::byte>& file) {
   const std::vector<std::uint8_t> magic{0x89, 'T', 'C', 'B', 0x0D, 0x0A, 0x1A, 0x0A};
   require(std::equal(magic.begin(), magic.end(), bytes.begin()), "magic");
   Input in{bytes, magic.size(), bytes.size()};
-  require(in.fixed(4) == 2, "version");
+  require(in.fixed(4) == 3, "version");
 
   IndependentModel model;
   double colour_step = 0;
