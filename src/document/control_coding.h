@@ -1,8 +1,6 @@
 #pragma once
 
-#include <algorithm>
 #include <array>
-#include <bit>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -76,44 +74,6 @@ std::int64_t code_control(const Code& code, std::int64_t unit, std::int64_t& val
   return difference;
 }
 
-/// What the size of a change of colour is told from, but for those around.
-struct ColourContext {
-  std::int64_t first = 0;   ///< difference of the channel coded first, 0 for itself
-  std::int64_t second = 0;  ///< of the one after that
-  std::int64_t last = 0;    ///< of this channel in the frame before
-  std::size_t area = 0;     ///< class of the function's polygon
-  std::size_t change = 0;   ///< class of the change of its area
-};
-
-/// 0: as before, then by eighths of the larger one: octaves, the last for new functions.
-inline std::size_t change_class(std::int64_t area, std::int64_t before) {
-  if (area == before) return 0;
-  const std::int64_t larger = std::max({std::int64_t{1}, area, before});
-  const auto part = static_cast<std::uint64_t>(128 * std::abs(area - before) / larger);
-  return std::min<std::size_t>(ChangingColourModels::kChanges - 2,
-                               1 + static_cast<std::size_t>(std::bit_width(part)));
-}
-
-template <class Coder>
-std::int64_t code_change(Coder& coder, ChangingColourModels& models, ResidualModels& alone,
-                         const Around& around, const ColourContext& context, std::int64_t& value,
-                         std::int64_t prediction) {
-  const std::size_t first = small_class(context.first);
-  MixedNumber<3> magnitude(alone.magnitude[expected_size(around)],
-                           {&models.earlier[first * kSmallClasses + small_class(context.second)],
-                            &models.shape[context.change * kAreaClasses + context.area],
-                            &models.history[context.area * kSmallClasses + small_class(context.last)]},
-                           models.magnitude);
-  const auto negative = [&] {
-    return MixedBit<4>({&alone.negative[sign_class(around.sum)],
-                        &models.earlier_sign[3 * sign_class(context.first) + sign_class(context.second)],
-                        &models.last_sign[signed_class(context.last)],
-                        &models.nearby_sign[signed_class(around.twice_mean())]},
-                       models.sign);
-  };
-  return code_difference(coder, magnitude, negative(), value, prediction);
-}
-
 /// @param before  null for a keyframe.
 template <class Coder>
 void code_displacements(Coder& coder, ControlModels& models, FrameState& state, const FrameState* before,
@@ -146,63 +106,6 @@ void code_displacements(Coder& coder, ControlModels& models, FrameState& state, 
       difference[i] = code_control(code, 1, value, prediction[i]);
     }
     coded.add(places, {state.displacement[2 * g], state.displacement[2 * g + 1]}, difference);
-  }
-}
-
-/// @param before  null for a keyframe.
-template <class Coder>
-void code_colours(Coder& coder, ControlModels& models, FrameState& state, const FrameState* before,
-                  const Matches& matches, std::size_t channels) {
-  const spline::SplineSpace& space = *state.space;
-  const auto degree = static_cast<std::size_t>(space.degree());
-  Neighbourhood<4> coded(space.cut().corners.size());
-  FrameHistory& history = state.history;
-  history.areas = polygon_areas(space, state.grid);
-  history.changes.assign(state.colour.size(), 0);
-  for (spline::FunctionIndex f = 0; f < space.function_count(); ++f) {
-    const auto places = std::span(space.functions()[f].knots).first(degree);
-    const bool old = before && matches.functions[f] != kNoMatch;
-    const std::uint32_t match = old ? matches.functions[f] : 0;
-    auto prediction = coded.mean(places);
-    if (old) {
-      const auto was = std::span(before->colour).subspan(channels * match, channels);
-      std::copy(was.begin(), was.end(), prediction.begin());
-    }
-    const auto colour = std::span(state.colour).subspan(channels * f, channels);
-    std::array<std::int64_t, 4> difference{};
-    ColourContext context;
-    context.area = area_class(history.areas[f]);
-    context.change = old ? change_class(history.areas[f], before->history.areas[match])
-                         : ChangingColourModels::kChanges - 1;
-    const auto code = [&](std::size_t c, std::int64_t guess) {
-      const Around around = coded.around(places, c);
-      ResidualModels& alone = models.colour[old ? 1 : 0][c];
-      context.last = old ? before->history.changes[channels * match + c] : 0;
-      const auto one = [&](std::int64_t& units, std::int64_t expected) {
-        if (!before) return code_residual(coder, alone, around, units, expected);
-        return code_change(coder, models.changing[old ? 1 : 0][c], alone, around, context, units, expected);
-      };
-      difference[c] = code_control(one, state.colour_unit, colour[c], prediction[c] + guess);
-    };
-    // Green goes first where there is one; its error is a good guess of that of red and blue.
-    const std::size_t first = channels >= 3 ? 1 : 0;
-    code(first, 0);
-    context.first = difference[first];
-    const std::int64_t guess = channels >= 3 ? difference[1] * state.colour_unit : 0;
-    bool second = true;
-    for (std::size_t c = 0; c < channels; ++c) {
-      if (c == first) continue;
-      code(c, c < 3 ? guess : 0);
-      if (second) context.second = difference[c];
-      second = false;
-    }
-    for (std::size_t c = 0; old && c < channels; ++c) {
-      history.changes[channels * f + c] =
-          static_cast<std::int8_t>(std::clamp<std::int64_t>(difference[c], -100, 100));
-    }
-    std::array<std::int64_t, 4> value{};
-    std::copy(colour.begin(), colour.end(), value.begin());
-    coded.add(places, value, difference);
   }
 }
 

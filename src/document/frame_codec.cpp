@@ -6,6 +6,7 @@
 
 #include "document/bytes.h"
 #include "document/canonical.h"
+#include "document/colour_coding.h"
 #include "document/control_coding.h"
 #include "document/identity.h"
 #include "document/knot_coding.h"
@@ -184,7 +185,7 @@ std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before,
       .run();
   if (store_topology) write_links(*state.space, before, models.links, coder);
   code_displacements(coder, models.controls, state, before, matches);
-  code_colours(coder, models.controls, state, before, matches, channels);
+  ColourCoding(coder, models.controls, state, before, matches, channels).run();
   state.models = models;
   out.bytes(coder.finish());
 
@@ -262,7 +263,7 @@ FrameState decode_frame(std::span<const std::byte> payload, const FrameState* be
   state.displacement.resize(2 * state.space->geometry_count());
   state.colour.resize(channels * state.space->function_count());
   code_displacements(coder, state.models.controls, state, before, matches);
-  code_colours(coder, state.models.controls, state, before, matches, channels);
+  ColourCoding(coder, state.models.controls, state, before, matches, channels).run();
   coder.require_end();
   name_functions(state, before, matches.functions);
   return state;

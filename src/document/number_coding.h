@@ -47,7 +47,7 @@ class MixedNumber {
               NumberMixer<Short + 1>& mixer)
       : first_(first), rest_(rest), mixer_(mixer) {}
 
-  MixedBit<Short + 1> larger(std::size_t c) {
+  MixedBit<Short + 1> larger(std::size_t c) const {
     std::array<BitModel*, Short + 1> bits;
     for (std::size_t i = 0; i < Short; ++i) bits[i] = &rest_[i]->larger(c);
     bits[Short] = &first_.larger(c);
