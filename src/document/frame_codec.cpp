@@ -47,15 +47,6 @@ bool same_topology(const FrameState& x, const FrameState& y) {
                             &mesh::FeatureSegment::knots);
 }
 
-/// Whether a frame is the one before but for its number and time.
-bool unchanged(const FrameState& x, const FrameState& y) {
-  return x.grid.bits == y.grid.bits && x.edge_softness == y.edge_softness &&
-         x.displacement == y.displacement && x.colour == y.colour &&
-         std::ranges::equal(x.mesh().knots, y.mesh().knots, {}, &mesh::Knot::position,
-                            &mesh::Knot::position) &&
-         same_topology(x, y);
-}
-
 /// The frame before once more, with all that is only there for prediction.
 FrameState repeated(const FrameState& before, const FramePrefix& prefix) {
   FrameState state = before;
@@ -121,6 +112,14 @@ void name_functions(FrameState& state, const FrameState* before, const std::vect
 }
 
 }  // namespace
+
+bool unchanged(const FrameState& state, const FrameState& before) {
+  return state.grid.bits == before.grid.bits && state.edge_softness == before.edge_softness &&
+         state.displacement == before.displacement && state.colour == before.colour &&
+         std::ranges::equal(state.mesh().knots, before.mesh().knots, {}, &mesh::Knot::position,
+                            &mesh::Knot::position) &&
+         same_topology(state, before);
+}
 
 FrameState to_state(const FrameModel& model, const FrameState* before, const Format& format,
                     const QuantiseOptions& options) {

@@ -32,8 +32,11 @@ struct QuantiseOptions {
 FrameState to_state(const FrameModel& model, const FrameState* before, const Format& format,
                     const QuantiseOptions& options);
 
+/// Whether a frame is the one before but for its number and time.
+bool unchanged(const FrameState& state, const FrameState& before);
+
 /// @param before  as given to to_state.
-/// @param state   its models and the ids of its functions are set; else it is not changed.
+/// @param state   what to_state() left out is set.
 std::vector<std::byte> encode_frame(FrameState& state, const FrameState* before, const Format& format);
 
 FramePrefix read_prefix(std::span<const std::byte> payload);

@@ -72,7 +72,7 @@ class Writer::Impl {
   FrameModel append(const FrameModel& model) {
     require_open();
     const FrameState* before = state_ && !model.keyframe ? &*state_ : nullptr;
-    FrameState state = to_state(model, before, format_, before ? deltas_ : keyframes_);
+    FrameState state = next_state(model, before);
     const std::vector<std::byte> bytes = chunk(ChunkType::kFrame, encode_frame(state, before, format_));
     const FrameRecord record{position_, bytes.size(), state.frame, state.pts, state.keyframe};
     put(bytes);
@@ -102,6 +102,16 @@ class Writer::Impl {
   void require_open() const {
     if (finished_)
       throw Error(ErrorKind::kInvalidArgument, "the document is finished already, or could not be written");
+  }
+
+  /// Deltas have coarser steps than the keyframe before them, but what repeats it stays as it is.
+  FrameState next_state(const FrameModel& model, const FrameState* before) const {
+    if (!before) return to_state(model, before, format_, keyframes_);
+    if (before->grid.bits > deltas_.knot_bits || before->colour_unit < deltas_.colour_unit) {
+      FrameState same = to_state(model, before, format_, {before->grid.bits, before->colour_unit, false});
+      if (unchanged(same, *before)) return same;
+    }
+    return to_state(model, before, format_, deltas_);
   }
 
   void put(const std::vector<std::byte>& bytes) {

@@ -8,17 +8,17 @@ void BesideOutput::compose(Message& message) const {
 
 void BesideOutput::write(Message& message) {
   if (!job_.compose) return;
+  if (!message.repeats) written_ = std::move(message.beside);
   if (!writer_) {
     video::StreamInfo info = job_.reader->info();
-    info.width = message.beside.width;
-    info.height = message.beside.height;
-    info.channels = message.beside.channels;
+    info.width = written_.width;
+    info.height = written_.height;
+    info.channels = written_.channels;
     info.depth = 8;
     info.pixel_format = "yuv420p";
     writer_.emplace(video::VideoWriter::create(job_.beside, info));
   }
-  writer_->write(message.beside, message.frame.pts, message.frame.duration);
-  message.beside = {};
+  writer_->write(written_, message.frame.pts, message.frame.duration);
 }
 
 void BesideOutput::finish() {

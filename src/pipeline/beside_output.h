@@ -14,13 +14,15 @@ class BesideOutput {
 
   /// Makes the picture; several messages at once.
   void compose(Message& message) const;
-  /// Writes it; in order, one at a time. The first one says how large the video is. @throws as VideoWriter.
+  /// Writes it, or the last one again if the message repeats that; in order, one at a time. The first one
+  /// says how large the video is. @throws as VideoWriter.
   void write(Message& message);
   void finish();
 
  private:
   const Job& job_;
   std::optional<video::VideoWriter> writer_;
+  image::Image written_;  ///< last
 };
 
 }  // namespace knotreel::pipeline

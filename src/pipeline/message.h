@@ -19,6 +19,8 @@ struct Message {
   std::shared_ptr<const image::Image> picture;
   std::shared_ptr<const image::Image> before;  ///< null for the first frame
   std::unique_ptr<track::Motion> motion;
+  bool same_picture = false;  ///< as the frame before has, bit for bit
+  bool repeats = false;       ///< picture and stored model are those of the frame before: so is what is drawn
   std::shared_ptr<Stretch> stretch;                     ///< that it belongs to; until it has a model
   bool starts_group = false;                            ///< for certain or nearly so; drift is not foreseen
   std::shared_ptr<track::ColdFrame> cold;               ///< made ahead, if it starts a group

@@ -70,10 +70,16 @@ void PictureOutput::draw(Message& message, const BasisPointer& basis) const {
 }
 
 void PictureOutput::write(Message& message) {
+  FrameRow& row = message.row;
+  if (message.repeats) {
+    std::tie(row.mec, row.meg, row.psnr, row.ssim) = figures_;
+  } else {
+    written_ = std::move(message.rendering);
+    figures_ = {row.mec, row.meg, row.psnr, row.ssim};
+  }
   if (!writer_) return;
   writer_->write_packets(message.frame.packets);
-  writer_->write(message.rendering, message.frame.pts, message.frame.duration);
-  message.rendering = {};
+  writer_->write(written_, message.frame.pts, message.frame.duration);
 }
 
 void PictureOutput::write_packets(const std::vector<video::Packet>& packets) {

@@ -3,6 +3,7 @@
 #include <chrono>
 #include <ctime>
 #include <optional>
+#include <tuple>
 
 #include "knotreel/pipeline/job.h"
 #include "knotreel/raster/render.h"
@@ -24,7 +25,8 @@ class PictureOutput {
   /// @param basis of the space of the model.
   void draw(Message& message, const std::shared_ptr<const spline::Basis>& basis) const;
 
-  /// Writes what was drawn; in order, one at a time.
+  /// Writes what was drawn, or once more what was written last, with its figures, if the message repeats
+  /// that; in order, one at a time.
   void write(Message& message);
   void write_packets(const std::vector<video::Packet>& packets);
 
@@ -37,6 +39,8 @@ class PictureOutput {
  private:
   raster::RenderOptions at_output_;
   std::optional<video::VideoWriter> writer_;
+  image::Image written_;                                ///< last
+  std::tuple<double, double, double, double> figures_;  ///< of it: MEC, MEG, PSNR, SSIM
   bool same_size_ = false;
   image::Background background_;
   FrameObserver on_frame_;

@@ -36,6 +36,9 @@ class RenderStages {
     });
     if (failure_.any()) return nullptr;
     message->share = showing.share;
+    message->repeats = showing.share == 0 && before_ && same_surface(message->model, *before_);
+    before_.reset();
+    if (showing.share == 0) before_ = message->model;
     message->frame.pts = showing.pts;
     message->frame.duration = showing.duration;
     FrameRow& row = message->row;
@@ -51,7 +54,9 @@ class RenderStages {
     timed(failure_, "rasterize", message, [&] {
       if (message.share > 0) message.model = track::between(message.model, message.next, message.share);
       message.next = {};
-      output_.draw(message, std::make_shared<const spline::Basis>(message.model.space));
+      if (!message.repeats) {
+        output_.draw(message, std::make_shared<const spline::Basis>(message.model.space));
+      }
       message.model = {};
     });
   }
@@ -89,6 +94,7 @@ class RenderStages {
   CopiedPackets copied_;
   PictureOutput output_;
   FirstFailure failure_;
+  std::optional<document::FrameModel> before_;  ///< the last frame, if it was shown as it is
   std::size_t next_ = 0;
   bool stopped_ = false;
 };

@@ -63,6 +63,7 @@ void Stages::analyse(Message& message) {
     if (message.before && job_.tracking.warm_start) {
       message.motion = std::make_unique<track::Motion>(
           track::motion_between(*message.before, *message.picture, job_.flow));
+      message.same_picture = message.motion->repeated;
     }
     message.before.reset();
   });
@@ -113,6 +114,8 @@ void Stages::documents(Message& message) {
     if (stored.space != message.model.space || stored.displacement != message.model.displacement ||
         stored.colour != message.model.colour)
       message.surface.reset();
+    message.repeats = message.same_picture && same_surface(stored, stored_);
+    stored_ = stored;
     message.model = std::move(stored);
     message.row.bytes = document_.bytes() - before;
   });
@@ -128,16 +131,20 @@ void Stages::write_single(const Message& message) {
 
 void Stages::rasterize(Message& message) {
   timed(failure_, "rasterize", message, [&] {
-    const auto basis =
-        message.surface ? message.surface->basis : std::make_shared<const spline::Basis>(message.model.space);
-    output_.draw(message, basis);
-    message.row.meg = track::curve_error(message.model, *basis, motion::luma_of(*message.picture));
-    beside_.compose(message);
+    if (!message.repeats) draw(message);
     if (job_.watch.stored) job_.watch.stored(message.index, *message.picture, message.model);
     message.model = {};
     message.surface.reset();
     message.picture.reset();
   });
+}
+
+void Stages::draw(Message& message) const {
+  const auto basis =
+      message.surface ? message.surface->basis : std::make_shared<const spline::Basis>(message.model.space);
+  output_.draw(message, basis);
+  message.row.meg = track::curve_error(message.model, *basis, motion::luma_of(*message.picture));
+  beside_.compose(message);
 }
 
 void Stages::encode(Message& message) {

@@ -38,12 +38,14 @@ class Stages {
 
  private:
   void write_single(const Message& message);
+  void draw(Message& message) const;
 
   const Job& job_;
   document::SequenceInfo info_;
   PictureOutput output_;
   BesideOutput beside_;
   DocumentSink document_;
+  document::FrameModel stored_;  ///< the last frame
   track::GroupRule groups_;
   std::shared_ptr<Stretch> stretch_;  ///< of the frame that was planned last
   FirstFailure failure_;

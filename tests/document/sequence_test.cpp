@@ -104,6 +104,35 @@ TEST(Sequence, TheSoftnessOfEdgesStaysUntilItChanges) {
   for (std::size_t f = 0; f < softness.size(); ++f) EXPECT_EQ(reader.read(f).edge_softness, softness[f]) << f;
 }
 
+TEST(Sequence, ARepeatedKeyframeStaysAsItIs) {
+  // Deltas have coarser steps, which are for frames that change.
+  std::ostringstream out;
+  FrameModel model = testing::random_model(testing::random_mesh(160, 120, 120, 3, kSeed), 2, 3, kSeed);
+  document::Writer writer(out, testing::info_of(model));
+  const FrameModel first = writer.append(model);
+  for (std::uint64_t f = 1; f < 3; ++f) {
+    FrameModel again = f == 1 ? first : model;  // as stored, or as it was given at first
+    again.keyframe = false;
+    again.frame = f;
+    const FrameModel stored = writer.append(again);
+    EXPECT_TRUE(same_surface(stored, first)) << f;
+  }
+  FrameModel moved = first;
+  moved.keyframe = false;
+  moved.frame = 3;
+  moved.colour[0] += 40;
+  EXPECT_FALSE(same_surface(writer.append(moved), first));
+  writer.finish();
+  const std::string text = out.str();
+  const auto bytes = std::as_bytes(std::span(text));
+  Reader reader = Reader::open(std::vector(bytes.begin(), bytes.end()));
+  const FrameModel read = reader.read(0);
+  for (std::size_t f = 1; f < 3; ++f) {
+    EXPECT_LE(reader.record(f).bytes, 24U) << f;
+    EXPECT_TRUE(same_surface(reader.read(f), read)) << f;
+  }
+}
+
 TEST(Sequence, FramesThatKeepTheTopologyAreSmall) {
   const Sequence s = encode(2);
   Reader reader = Reader::open(s.bytes);

@@ -43,6 +43,10 @@ struct FrameModel {
   bool keyframe = true;     ///< stored and computed without a predecessor; starts a group
 };
 
+/// Whether two models are one surface, drawn alike: they share the space, and have the same control points
+/// and softness of edges. (Equal spaces that are not shared count as different: that is quick to tell.)
+bool same_surface(const FrameModel& a, const FrameModel& b);
+
 /// Storage by the accounting of the paper's Table 1: 20 bytes per control point, 8 per knot, 6 per triangle.
 /// Multiple knots count once; the two or more functions along features count one control point each.
 std::uint64_t raw_accounting_bytes(const FrameModel& model);
