@@ -317,6 +317,7 @@ std::vector<Vec2> knot_gradient(const spline::PixelValues& values, const Pixels&
   constexpr std::size_t kBlock = 128;
   std::vector<std::vector<Derivatives::Share>> shares((configs + kBlock - 1) / kBlock);
   parallel_for(shares.size(), [&](std::size_t b) {
+    shares[b].reserve(4 * kBlock);
     for (std::size_t c = b * kBlock; c < std::min(configs, (b + 1) * kBlock); ++c)
       derivatives.add_shares(c, by_term, shares[b]);
   });

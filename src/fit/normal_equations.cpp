@@ -179,7 +179,7 @@ class TileSums {
     right_ = std::make_unique_for_overwrite<Value[]>(right_begin_.back());
     constexpr std::size_t kTiles = 16;
     parallel_for((values.tile_count() + kTiles - 1) / kTiles, [&](std::size_t block) {
-      Scratch scratch;
+      thread_local Scratch scratch;
       for (std::size_t t = block * kTiles; t < std::min(values.tile_count(), (block + 1) * kTiles); ++t) {
         if (!values.functions(t).empty()) add(values, t, target, weights, scratch);
       }
@@ -233,6 +233,8 @@ struct Entry {
   FunctionIndex column;
   double value;
 };
+
+constexpr std::size_t kEntriesPerRow = 16;  // more than there are nearly always
 
 /// Rows of the matrix, one after the other.
 struct Rows {
@@ -326,6 +328,8 @@ NormalEquations assemble_in(const PixelValues& values, const image::Image& targe
   std::vector<Rows> rows((functions + block_size - 1) / block_size);
   parallel_for(rows.size(), [&](std::size_t block) {
     RowSum row(functions);
+    rows[block].entries.reserve(kEntriesPerRow * block_size);
+    rows[block].ends.reserve(block_size);
     for (std::size_t i = block * block_size; i < std::min(functions, (block + 1) * block_size); ++i) {
       const auto f = static_cast<FunctionIndex>(i);
       row.add(f, values, *index, *sums, rows[block]);

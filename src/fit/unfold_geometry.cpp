@@ -105,9 +105,12 @@ void append_slopes(const Basis& basis, const Sample& sample, std::vector<Slope>&
 
 std::vector<Slopes> slopes_at(const Basis& basis, const std::vector<Sample>& samples) {
   constexpr std::size_t kSamples = 256;
+  constexpr std::size_t kSlopes = 16;  // per sample, that room is made for
   std::vector<Slopes> blocks((samples.size() + kSamples - 1) / kSamples);
   parallel_for(blocks.size(), [&](std::size_t b) {
     Slopes& block = blocks[b];
+    block.slopes.reserve(kSlopes * kSamples);
+    block.ends.reserve(kSamples);
     for (std::size_t i = b * kSamples; i < std::min(samples.size(), (b + 1) * kSamples); ++i) {
       append_slopes(basis, samples[i], block.slopes);
       block.ends.push_back(block.slopes.size());

@@ -111,20 +111,22 @@ std::vector<double> window(int available) {
 constexpr std::size_t kMoments = 4;
 
 struct MomentRows {
-  /// With room for whole vectors from any column on.
-  explicit MomentRows(std::size_t width) : length(width + kLanes), values(kMoments * length, 0.0) {}
   double* operator[](std::size_t k) { return values.data() + k * length; }
+  /// Makes room for whole vectors from any column on.
+  void resize(std::size_t width) {
+    length = width + kLanes;
+    values.resize(kMoments * length);
+  }
 
-  std::size_t length;
+  std::size_t length = 0;
   std::vector<double> values;
 };
 
 /// Mean SSIM of one row of windows: the vertical sums of the products first, then the horizontal ones.
 KNOTREEL_MULTIVERSION
 double ssim_row(const Plane& a, const Plane& b, int top, const std::vector<double>& vertical,
-                const std::vector<double>& horizontal) {
+                const std::vector<double>& horizontal, MomentRows& columns) {
   const auto width = std::size_t(a.width);
-  MomentRows columns(width);
   for (std::size_t x = 0; x < width; x += kLanes) {
     Lanes sums[kMoments] = {};
     for (std::size_t j = 0; j < vertical.size(); ++j) {
@@ -166,7 +168,11 @@ double mean_ssim(const Plane& a, const Plane& b) {
   const std::vector<double> vertical = window(a.height);
   const std::vector<double> horizontal = window(a.width);
   std::vector<double> rows(std::size_t(a.height) - vertical.size() + 1);
-  parallel_for(rows.size(), [&](std::size_t y) { rows[y] = ssim_row(a, b, int(y), vertical, horizontal); });
+  parallel_for(rows.size(), [&](std::size_t y) {
+    thread_local MomentRows columns;
+    columns.resize(std::size_t(a.width));
+    rows[y] = ssim_row(a, b, int(y), vertical, horizontal, columns);
+  });
   return std::accumulate(rows.begin(), rows.end(), 0.0) / double(rows.size());
 }
 

@@ -317,7 +317,7 @@ Vec2 EditableMesh::projected(KnotIndex k, Vec2 target) const {
     return upright ? Vec2{knot.position.x, target.y} : Vec2{target.x, knot.position.y};
   }
   // On the line of the whole segment, so that rounding does not add up over many moves.
-  std::vector<FaceIndex> ring;
+  thread_local std::vector<FaceIndex> ring;
   faces_around(k, ring);
   for (const FaceIndex f : ring) {
     const std::uint32_t s = segment(f, static_cast<int>(next(static_cast<std::size_t>(corner_of(f, k)))));
@@ -338,7 +338,7 @@ bool EditableMesh::move(KnotIndex k, Vec2 target) {
     if (dot(position(a) - goal, position(b) - goal) >= 0) return false;  // beyond a neighbour on the line
   }
   knots_[k].position = goal;
-  std::vector<FaceIndex> ring;
+  thread_local std::vector<FaceIndex> ring;
   faces_around(k, ring);
   for (const FaceIndex f : ring) {
     const auto [a, b, c] = triangle(f);

@@ -47,7 +47,8 @@ std::vector<std::uint8_t> find_again(const Flow& forward, const Flow& backward, 
   const auto width = std::size_t(forward.width);
   std::vector<std::uint8_t> result(forward.xy.size() / 2);
   parallel_for(std::size_t(forward.height), [&](std::size_t y) {
-    std::vector<float> back(2 * width);
+    thread_local std::vector<float> back;
+    back.resize(2 * width);
     const std::size_t row = y * width;
     come_back(backward.xy.data(), forward.width, forward.height, int(y), &forward.xy[2 * row], tolerance,
               &result[row], back.data(), back.data() + width);

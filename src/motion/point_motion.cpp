@@ -48,8 +48,10 @@ double median(std::vector<float>& values) {
 /// `enough`.
 std::optional<Vec2> window_median(int x, int y, int reach, std::size_t enough, const Flow& flow,
                                   const Mask& mask) {
-  std::vector<float> dx;
-  std::vector<float> dy;
+  thread_local std::vector<float> dx;
+  thread_local std::vector<float> dy;
+  dx.clear();
+  dy.clear();
   for (int j = std::max(0, y - reach); j <= std::min(flow.height - 1, y + reach); ++j) {
     for (int i = std::max(0, x - reach); i <= std::min(flow.width - 1, x + reach); ++i) {
       const std::size_t pixel = std::size_t(j) * std::size_t(flow.width) + std::size_t(i);

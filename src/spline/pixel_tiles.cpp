@@ -11,7 +11,8 @@ namespace knotreel::spline {
 
 namespace {
 
-constexpr std::size_t kPieces = 256;  // that are looked at by one call of a parallel loop
+constexpr std::size_t kPieces = 256;       // that are looked at by one call of a parallel loop
+constexpr std::size_t kTilesPerPiece = 8;  // that room is made for
 
 constexpr Vec2 kSlack{1e-9, 1e-9};  // around boxes, for the rounding of places that go by the corner
 
@@ -196,6 +197,7 @@ void PixelTiles::list_pieces(std::span<const std::uint8_t> wanted) {
   const PieceSet& set = basis_->pieces();
   std::vector<std::vector<Hit>> blocks((set.pieces.size() + kPieces - 1) / kPieces);
   parallel_for(blocks.size(), [&](std::size_t block) {
+    blocks[block].reserve(kTilesPerPiece * kPieces);
     for (std::size_t p = block * kPieces; p < std::min(set.pieces.size(), (block + 1) * kPieces); ++p) {
       const Piece& piece = set.pieces[p];
       const auto terms = std::span(set.terms).subspan(piece.term_begin, piece.term_end - piece.term_begin);

@@ -8,6 +8,12 @@
 
 namespace knotreel::spline {
 
+namespace {
+
+constexpr std::size_t kFunctionsPerTile = 16;  // that room is made for
+
+}  // namespace
+
 PixelValues::PixelValues(const Basis& basis, int width, int height, std::span<const Vec2> places,
                          std::span<const std::uint8_t> wanted)
     : PixelTiles(basis, width, height, places, wanted) {
@@ -21,7 +27,9 @@ void PixelValues::name_functions(std::span<const std::uint8_t> wanted) {
   slots_.resize(first_piece(tile_count()));
   parallel_for(tile_rows(), [&](std::size_t row) {
     std::vector<FunctionIndex>& all = by_row[row];
-    std::vector<std::uint32_t> slot(function_count, kNoSlot);
+    all.reserve(kFunctionsPerTile * tile_columns());
+    thread_local std::vector<std::uint32_t> slot;
+    slot.assign(function_count, kNoSlot);
     for (std::size_t t = row * tile_columns(); t < (row + 1) * tile_columns(); ++t) {
       const auto reaching = pieces(t);
       const std::size_t first = all.size();

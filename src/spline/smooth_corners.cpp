@@ -2,6 +2,7 @@
 
 #include <Eigen/Dense>
 #include <algorithm>
+#include <boost/container/static_vector.hpp>
 #include <map>
 #include <numeric>
 
@@ -23,9 +24,11 @@ class Groups {
   std::vector<CornerIndex> parent_;
 };
 
+using FewCorners = boost::container::static_vector<CornerIndex, kMaxDegree>;
+
 /// The distinct multiple corners of a function.
-std::vector<CornerIndex> multiple_corners(const SplineSpace& space, FunctionIndex f) {
-  std::vector<CornerIndex> corners;
+FewCorners multiple_corners(const SplineSpace& space, FunctionIndex f) {
+  FewCorners corners;
   for (const CornerIndex c : space.functions()[f].knots) {
     if (c != kNoCorner && space.cut().corners[c].multiple && (corners.empty() || corners.back() != c)) {
       corners.push_back(c);
@@ -34,10 +37,12 @@ std::vector<CornerIndex> multiple_corners(const SplineSpace& space, FunctionInde
   return corners;
 }
 
+/// One value per monomial.
+using Monomials = Eigen::Matrix<double, 1, Eigen::Dynamic, Eigen::RowMajor, 1, 6>;
+
 /// Polar forms, at I without one copy of `corner`, of the monomials of degree <= k-1 around the corner.
-Eigen::RowVectorXd polar_monomials(const SplineSpace& space, FunctionIndex f, CornerIndex corner,
-                                   double scale) {
-  std::vector<Vec2> rest;
+Monomials polar_monomials(const SplineSpace& space, FunctionIndex f, CornerIndex corner, double scale) {
+  boost::container::static_vector<Vec2, kMaxDegree> rest;
   bool left_out = false;
   for (int i = 0; i < space.degree(); ++i) {
     const CornerIndex c = space.functions()[f].knots[static_cast<std::size_t>(i)];
@@ -47,7 +52,7 @@ Eigen::RowVectorXd polar_monomials(const SplineSpace& space, FunctionIndex f, Co
     }
     rest.push_back((1 / scale) * (space.position(c) - space.position(corner)));
   }
-  Eigen::RowVectorXd row;
+  Monomials row;
   if (rest.empty()) {
     row.resize(1);
     row << 1;
@@ -120,7 +125,7 @@ Eigen::SparseMatrix<double> smooth_corner_prolongation(const SplineSpace& space,
   Groups groups(space.cut().corners.size());
   std::vector<CornerIndex> some_corner(space.function_count(), kNoCorner);
   for (FunctionIndex f = 0; f < space.function_count(); ++f) {
-    const std::vector<CornerIndex> corners = multiple_corners(space, f);
+    const FewCorners corners = multiple_corners(space, f);
     if (corners.empty() || (corners.size() > 1 && shared == SharedFunctions::kFree)) continue;
     some_corner[f] = corners.front();
     for (const CornerIndex c : corners) groups.join(corners.front(), c);

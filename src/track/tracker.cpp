@@ -233,7 +233,6 @@ class Tracker::Impl {
     lap("carry");
     carried = refilled(carried, *errors_before);
     lap("foresee");
-    const KnotMesh before = space_->mesh();
     frame_before_ = {space_, colours_.control, std::move(colours_.residual), std::move(seen_.weights)};
     take_over(carried, *links);
     bend_curves(*motion.now);
@@ -249,7 +248,7 @@ class Tracker::Impl {
       measure();
       ++report_->changes.repairs;
     }
-    report_->survival = share_alive(before, space_->mesh());
+    report_->survival = share_alive(frame_before_.space->mesh(), space_->mesh());
     if (++since_softness_ >= kSoftnessInterval) update_edge_softness(picture);
   }
 

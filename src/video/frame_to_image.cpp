@@ -83,9 +83,10 @@ struct Codes {
 };
 
 /// A line of a component: codes from 0 on, as 0..255 for luma and alpha, about 0 for chroma.
-std::vector<float> line_of(const AVFrame& frame, int component, int y, const Codes& codes) {
+void read_line(const AVFrame& frame, int component, int y, const Codes& codes, std::vector<float>& line) {
   const AVPixFmtDescriptor& format = descriptor(frame);
-  std::vector<std::uint32_t> raw(std::size_t(frame.width));
+  thread_local std::vector<std::uint32_t> raw;
+  raw.resize(std::size_t(frame.width));
   std::array<const std::uint8_t*, 4> planes{};
   std::copy(frame.data, frame.data + 4, planes.begin());
   av_read_image_line2(raw.data(), planes.data(), frame.linesize, &format, 0, y, component, frame.width, 0, 4);
@@ -94,9 +95,8 @@ std::vector<float> line_of(const AVFrame& frame, int component, int y, const Cod
   const bool chroma = component == 1 || component == 2, full = codes.full || component == 3;
   const float zero = chroma ? 128 * step : full ? 0 : 16 * step;
   const float range = full ? float((1 << codes.depth) - 1) : (chroma ? 224 : 219) * step;
-  std::vector<float> line(raw.size());
+  line.resize(raw.size());
   for (std::size_t x = 0; x < line.size(); ++x) line[x] = (float(raw[x]) * code - zero) * (255.0F / range);
-  return line;
 }
 
 /// The top left part of a frame that has chroma for every pixel.
@@ -106,8 +106,10 @@ image::Image from_luma_and_chroma(const AVFrame& frame, int width, int height, c
   const LumaWeights& weights = codes.weights;
   parallel_for(std::size_t(height), [&](std::size_t row) {
     const int y = int(row);
-    const std::vector<float> luma = line_of(frame, 0, y, codes), blue = line_of(frame, 1, y, codes),
-                             red = line_of(frame, 2, y, codes);
+    thread_local std::vector<float> luma, blue, red;
+    read_line(frame, 0, y, codes, luma);
+    read_line(frame, 1, y, codes, blue);
+    read_line(frame, 2, y, codes, red);
     for (std::size_t x = 0; x < std::size_t(width); ++x) {
       const float r = luma[x] + 2 * (1 - weights.red) * red[x],
                   b = luma[x] + 2 * (1 - weights.blue) * blue[x];
@@ -117,8 +119,8 @@ image::Image from_luma_and_chroma(const AVFrame& frame, int width, int height, c
       image.at(int(x), y, 2) = std::clamp(b, 0.0F, 255.0F);
     }
     if (!alpha) return;
-    const std::vector<float> opaque = line_of(frame, 3, y, codes);
-    for (std::size_t x = 0; x < std::size_t(width); ++x) image.at(int(x), y, 3) = opaque[x];
+    read_line(frame, 3, y, codes, luma);
+    for (std::size_t x = 0; x < std::size_t(width); ++x) image.at(int(x), y, 3) = luma[x];
   });
   return image;
 }

@@ -72,10 +72,12 @@ TEST(Edits, CostWhatTheyChange) {
     document::Writer writer(out, testing::info_of(model));
     writer.append(model);
     model.keyframe = false;
-    writer.append(model);  // on the grid of deltas
+    model.edge_softness = 0.125;  // a change, so that it is on the grid of deltas
+    writer.append(model);
     edit(edits);
     model = plain_frame(mesh.to_mesh(), 2, kSeed, false);
     model.keyframe = false;
+    model.edge_softness = 0.125;
     writer.append(model);
     writer.finish();
     Reader reader = Reader::open(bytes_of(out));
