@@ -12,6 +12,7 @@ FrameModel to_model(const FrameState& state, const Format& format) {
   model.frame = state.frame;
   model.pts = state.pts;
   model.keyframe = state.keyframe;
+  if (!state.keyframe) model.colour_step = static_cast<double>(state.colour_unit) * format.colour_scale();
   model.edge_softness = state.edge_softness * kEdgeSoftnessStep;
   model.function_ids = state.function_ids;
   // The steps have few bits, so these products are exact.

@@ -107,11 +107,16 @@ class Writer::Impl {
   /// Deltas have coarser steps than the keyframe before them, but what repeats it stays as it is.
   FrameState next_state(const FrameModel& model, const FrameState* before) const {
     if (!before) return to_state(model, before, format_, keyframes_);
-    if (before->grid.bits > deltas_.knot_bits || before->colour_unit < deltas_.colour_unit) {
+    QuantiseOptions steps = deltas_;
+    if (model.colour_step > 0) {
+      steps.colour_unit = std::clamp<std::int64_t>(std::llround(model.colour_step / format_.colour_scale()),
+                                                   1, kMaxColourUnit);
+    }
+    if (before->grid.bits > steps.knot_bits || before->colour_unit < steps.colour_unit) {
       FrameState same = to_state(model, before, format_, {before->grid.bits, before->colour_unit, false});
       if (unchanged(same, *before)) return same;
     }
-    return to_state(model, before, format_, deltas_);
+    return to_state(model, before, format_, steps);
   }
 
   void put(const std::vector<std::byte>& bytes) {

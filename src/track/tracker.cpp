@@ -24,6 +24,7 @@
 #include "track/carried_geometry.h"
 #include "track/carried_links.h"
 #include "track/cold_frame.h"
+#include "track/colour_coarseness.h"
 #include "track/difficulty.h"
 #include "track/fit_watch.h"
 #include "track/foresee.h"
@@ -129,6 +130,7 @@ class Tracker::Impl {
       } else {
         const bool needs_mending = watch_.needs_mending(report.psnr, report.changes.repairs > 0);
         watch_.end_frame(report.psnr, report.changes.repairs > 0);
+        coarseness_.end_frame(report.psnr);
         last_mec_ = report.mec;
         end_frame(picture, needs_mending);
       }
@@ -173,6 +175,8 @@ class Tracker::Impl {
     measure();
     if (options_.warm_start && !target_) make_target(picture);
     watch_.start_group(report_->psnr);
+    coarseness_.start_group(report_->psnr);
+    colour_step_ = options_.colour_step;
     group_functions_ = space_->function_count();
     group_features_ = feature_length(space_->mesh());
     since_births_ = 0;
@@ -384,7 +388,7 @@ class Tracker::Impl {
     colour.find_residual = false;
     const std::vector<double> before = colours_before(match);
     colour.start = before;
-    colour.step = options_.colour_step * options_.delta_coarseness;
+    colour.step = colour_step_ = options_.colour_step * options_.delta_coarseness * coarseness_.factor();
     const std::vector<double> reluctance = reluctance_to_change(picture);
     colour.reluctance = reluctance;
     colours_ = fit::fit_colours(values(), pixels, colour);
@@ -526,6 +530,7 @@ class Tracker::Impl {
     model.displacement = displacement_;
     model.channels = picture.channels;
     model.colour = colours_.control;
+    if (!keyframe) model.colour_step = colour_step_;
     model.edge_softness = edge_softness_;
     model.keyframe = keyframe;
     return model;
@@ -535,12 +540,14 @@ class Tracker::Impl {
   TrackOptions options_;
   GroupRule groups_;
   FitWatch watch_;
+  ColourCoarseness coarseness_;
   FrameReport* report_ = nullptr;
   std::chrono::steady_clock::time_point clock_;
 
   std::shared_ptr<const spline::SplineSpace> space_;
   std::vector<Vec2> displacement_;
   double edge_softness_ = 0;  ///< found when the group began
+  double colour_step_ = 0;    ///< of colours_, levels
   PlacedPixels seen_;
   fit::ColourFit colours_;                               ///< the residual is that of seen_
   std::shared_ptr<const spline::PixelSurface> surface_;  ///< at seen_

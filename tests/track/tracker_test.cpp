@@ -229,11 +229,40 @@ double share_of_changed_colours(TrackOptions options) {
 /// control points stop short of where they would be best.
 TEST(Tracker, ColoursStayUntilTheBestAreAStepAway) {
   TrackOptions options{.rework_interval = 100};
+  options.delta_coarseness *= 1.5;  // a picture as clear as this has finer steps than usual
   const double share = share_of_changed_colours(options);
   options.temporal_weight = 0;
   options.reluctance = 0;
   EXPECT_LT(share, 0.03);
   EXPECT_GT(share_of_changed_colours(options), 1.5 * share);
+}
+
+/// Noise that the surface cannot hold is what the steps are measured by, and documents have the same ones.
+TEST(Tracker, ColoursAreAsCoarseAsWhatIsMissed) {
+  for (const auto& [deviation, step] : std::vector<std::pair<float, double>>{{0.1F, 2}, {8, 3}, {24, 4}}) {
+    std::vector<image::Image> pictures(4, scene(40, 36));
+    std::mt19937 random(20261125);
+    std::normal_distribution<float> noise(0, deviation);
+    for (image::Image& picture : pictures) {
+      for (float& s : picture.samples) s = std::clamp(128 + 0.3F * (s - 128) + noise(random), 0.0F, 255.0F);
+    }
+    const Tracked run = track(pictures, {});
+    document::SequenceInfo info;
+    info.width = pictures[0].width;
+    info.height = pictures[0].height;
+    info.channels = pictures[0].channels;
+    std::ostringstream out;
+    document::Writer writer(out, info);
+    for (std::size_t i = 0; i < run.models.size(); ++i) {
+      const document::FrameModel& model = run.models[i];
+      const document::FrameModel stored = writer.append(model);
+      if (i == 0) continue;
+      EXPECT_EQ(model.colour_step, step) << deviation;
+      EXPECT_EQ(stored.colour_step, step) << deviation;
+      EXPECT_EQ(stored.colour, model.colour) << deviation << ", frame " << i;
+      for (const double c : model.colour) ASSERT_EQ(c, step * std::round(c / step)) << deviation;
+    }
+  }
 }
 
 TEST(Tracker, NoFrameHasMoreControlPointsThanAllowed) {

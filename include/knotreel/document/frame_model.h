@@ -29,6 +29,10 @@ struct FrameModel {
   /// range are normal. Gamma-encoded sRGB (or whatever the source was).
   std::vector<double> colour;
 
+  /// Of a frame that is no keyframe: its colours are multiples of this, in levels, and are stored so; 0: in
+  /// the steps of EncodeOptions. Filled in by Writer and Reader.
+  double colour_step = 0;
+
   /// How soft edges are in the picture that the model was made from, 0 to kMostEdgeSoftness: pixels next to
   /// features are drawn through the filter (s, 1 - 2 s, s) along both axes. The surface itself jumps there.
   double edge_softness = 0;

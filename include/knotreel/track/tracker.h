@@ -69,7 +69,8 @@ struct TrackOptions {
   /// What is measured, drawn and gone on from has the colours of control points as documents have them, too:
   /// in steps of this in keyframes, levels, more than 0 ...
   double colour_step = document::EncodeOptions{}.colour_step;
-  /// ... and of so many times that in other frames, more than 0.
+  /// ... and of so many times that in other frames, more than 0: a third less where the PSNR is above 38.5
+  /// dB, a third more where it is below 26.
   double delta_coarseness = document::EncodeOptions{}.delta_coarseness;
   SwapOptions urgent_swap{.ratio = 10, .share = 0.08};
 };
