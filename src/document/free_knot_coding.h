@@ -74,7 +74,7 @@ class FreeKnotCoding {
     } else {
       code_place(known, p);
     }
-    if (!(layout_.clamped(p, grid_.bits) == p)) malformed("a knot lies outside the domain");
+    layout_.require_inside(p, grid_.bits);
     if (!match) return;
     differences_[k][0].add(p.x - known.prediction.x);
     differences_[k][1].add(p.y - known.prediction.y);

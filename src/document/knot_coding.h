@@ -1,6 +1,5 @@
 #pragma once
 
-#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -74,7 +73,7 @@ class KnotCoding {
         around = latest(code_residual(coder_, models_.border[old ? 1 : 0], around, s, prediction));
         last = s;
         grid_.points[k] = on_side(side, s);
-        require_inside(grid_.points[k]);
+        layout_.require_inside(grid_.points[k], grid_.bits);
       }
     }
   }
@@ -96,7 +95,7 @@ class KnotCoding {
       ResidualModels& models = models_.vertex[match ? 1 : 0];
       around = latest(code_residual(coder_, models, around, p.x, prediction.x));
       around = latest(code_residual(coder_, models, around, p.y, prediction.y));
-      require_inside(p);
+      layout_.require_inside(p, grid_.bits);
       last = p;
     }
   }
@@ -126,10 +125,6 @@ class KnotCoding {
     Around around;
     around.add(difference);
     return around;
-  }
-
-  void require_inside(GridPoint p) const {
-    if (!(layout_.clamped(p, grid_.bits) == p)) malformed("a knot lies outside the domain");
   }
 
   Coder& coder_;

@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "document/bytes.h"
 #include "document/conquest.h"
 #include "document/frame_state.h"
 #include "document/identity.h"
@@ -19,17 +20,14 @@ struct KnotLayout {
   KnotIndex border_count;
   std::array<KnotIndex, 4> domain_corners;
 
-  /// Side of the domain (0 top, 1 right, 2 bottom, 3 left) of a border knot other than the corners.
-  int side(KnotIndex k) const {
-    int s = 3;
-    while (s > 0 && k < domain_corners[static_cast<std::size_t>(s)]) --s;
-    return s;
-  }
-
   /// The nearest point of the domain on a grid of 2^-bits px.
   GridPoint clamped(GridPoint p, int bits) const {
     return {std::clamp<std::int64_t>(p.x, 0, static_cast<std::int64_t>(mesh.width) << bits),
             std::clamp<std::int64_t>(p.y, 0, static_cast<std::int64_t>(mesh.height) << bits)};
+  }
+  /// @throws Malformed
+  void require_inside(GridPoint p, int bits) const {
+    if (!(clamped(p, bits) == p)) malformed("a knot lies outside the domain");
   }
 };
 
