@@ -9,7 +9,9 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
 #include "knotreel/base/parallel.h"
+#include "knotreel/image/format.h"
 #include "knotreel/image/read_image.h"
+#include "knotreel/video/reader.h"
 
 namespace knotreel::cli {
 namespace {
@@ -30,7 +32,9 @@ struct Band {
 }  // namespace
 
 bool is_picture(const std::filesystem::path& path) {
-  if (path == "-" || image::detect_format(read_start(path, 16))) return true;
+  if (path == "-") return true;
+  const std::vector<std::byte> start = read_start(path, video::kPictureStart);
+  if (image::detect_format(start)) return video::holds_one_picture(start, path.string());
   const std::string extension = path.extension().string();
   return !extension.empty() && image::format_of_extension(extension.substr(1)).has_value();
 }

@@ -32,7 +32,7 @@ namespace fs = std::filesystem;
 /// tells most of it.
 constexpr double kShareOfPixels = 0.02;
 constexpr std::size_t kLeastControlPoints = 256;
-constexpr std::size_t kStartBytes = 16;  // tell a picture
+constexpr std::size_t kStartBytes = 16;  // of a pipe: tell a picture, and nobody waits for more
 
 vectorize::Options cold_options(const VideoRun& run, std::uint64_t pixels) {
   VectorizeOptions given = run.options;
@@ -105,8 +105,9 @@ bool is_video(const std::string& input, const VideoInputOptions& options) {
   if (!fs::exists(input, ignored)) return input.find_first_of("*?%") != std::string::npos;
   if (!fs::is_regular_file(input, ignored)) return false;
   const std::string extension = fs::path(input).extension().string();
-  const bool named = !extension.empty() && !image::format_of_extension(extension.substr(1));
-  return named && !image::detect_format(read_start(input, kStartBytes));
+  const std::vector<std::byte> start = read_start(input, video::kPictureStart);
+  if (image::detect_format(start)) return !video::holds_one_picture(start, input);
+  return !extension.empty() && !image::format_of_extension(extension.substr(1));
 }
 
 pipeline::Summary run_video(const VideoRun& run) {

@@ -42,7 +42,7 @@ const AVCodec* by_name(const std::string& codec) {
 const AVCodec* default_of(const AVOutputFormat& container) {
   const std::string name = container.name;
   if (name == "matroska" || name == "mp4" || name == "mov" || name == "nut" || name == "mpegts" ||
-      name == "flv" || name == "m4v") {
+      name == "flv" || name == "m4v" || name == "3gp" || name == "3g2") {
     return by_name("h264");
   }
   if (name == "webm") return by_name("vp9");
@@ -56,6 +56,22 @@ constexpr const char* kX264Preset = "faster";
 /// Pixels. libav decodes slices of FFV1 that are a row high a row too low, and refuses some that are a column
 /// wide; pictures of a row or a column come back black.
 constexpr int kSmallForSlices = 16;
+
+/// Encoders of libav with a scale of quantisers, from 1 to 31; without one they would go for 200 kbit/s.
+bool is_scaled(const std::string& encoder) {
+  static constexpr std::array kScaled = {"mpeg1video", "mpeg2video", "mpeg4", "mjpeg", "amv",  "msmpeg4",
+                                         "msmpeg4v2",  "wmv1",       "wmv2",  "flv",   "h261", "h263",
+                                         "h263p",      "rv10",       "rv20",  "snow",  "svq1", "libxvid"};
+  return std::find(kScaled.begin(), kScaled.end(), encoder) != kScaled.end();
+}
+void set_scale(AVCodecContext& encoder, double value) {
+  encoder.flags |= AV_CODEC_FLAG_QSCALE;
+  encoder.global_quality = static_cast<int>(value * FF_QP2LAMBDA);
+}
+
+constexpr double kScale = 2;
+/// Theora's own scale goes up to the best; ours is what is missing to it.
+constexpr double kMostTheoraQuality = 10;
 
 bool lossless_rgb(const AVCodec& encoder) {
   return encoder.id == AV_CODEC_ID_FFV1 || encoder.id == AV_CODEC_ID_RAWVIDEO;
@@ -210,7 +226,13 @@ void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOption
   for (const Known& known : kKnown) {
     if (name == known.encoder && crf < 0) crf = known.crf;
   }
-  if (crf >= 0) dictionary.set("crf", std::to_string(crf));
+  if (name == "libtheora") {
+    set_scale(encoder, kMostTheoraQuality - (crf < 0 ? kScale : crf));
+  } else if (is_scaled(name)) {
+    set_scale(encoder, crf < 0 ? kScale : crf);
+  } else if (crf >= 0) {
+    dictionary.set("crf", std::to_string(crf));
+  }
   // Constant quality, not a rate, is what these two do only at a rate of zero.
   if (name == "libvpx-vp9" || name == "libaom-av1") encoder.bit_rate = 0;
   if (name == "libvpx") encoder.bit_rate = 100'000'000;
@@ -223,10 +245,6 @@ void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOption
   if (name == "libx265") {
     const std::string pools = options.threads > 0 ? ":pools=" + std::to_string(options.threads) : "";
     dictionary.set("x265-params", "log-level=none" + pools);
-  }
-  if (name == "mpeg4" || name == "mpeg2video" || name == "mjpeg") {
-    encoder.flags |= AV_CODEC_FLAG_QSCALE;
-    encoder.global_quality = int((crf < 0 ? 2 : crf) * FF_QP2LAMBDA);
   }
   if (name == "ffv1") {
     encoder.gop_size = 1;

@@ -45,6 +45,9 @@ class FileSink : public Sink {
         container_(choose_container(output, options.container)),
         encoder_(frames, options, container_),
         io_(output) {
+    if (!encoder_.takes_crf())
+      warnings.add(std::string("encoder '") + encoder_.context().codec->name +
+                   "' has no crf: it is not used");
     AVFormatContext* made = nullptr;
     if (avformat_alloc_output_context2(&made, &container_, nullptr, nullptr) < 0) throw std::bad_alloc();
     muxer_.reset(made);

@@ -1,6 +1,6 @@
 #include "knotreel/video/reader.h"
 
-#include <algorithm>
+#include <cctype>
 #include <filesystem>
 #include <string_view>
 
@@ -14,24 +14,33 @@
 namespace knotreel::video {
 namespace {
 
-/// A file that holds one picture of a kind that the image module reads. Animated PNG is a video.
-bool holds_picture(const std::string& input) {
+/// A stream of JPEG pictures, one behind the other, begins like a single one.
+bool is_called_motion_jpeg(const std::string& name) {
+  std::string extension = std::filesystem::path(name).extension().string();
+  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return extension == ".mjpeg" || extension == ".mjpg";
+}
+
+bool is_picture_file(const std::string& input) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(input, ignored)) return false;
-  const std::vector<std::byte> start = read_start(input, 4096);
-  const auto format = image::detect_format(start);
-  if (!format) return false;
-  const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
-  return *format != image::ImageFormat::kPng || text.find("acTL") == std::string_view::npos;
+  return std::filesystem::is_regular_file(input, ignored) &&
+         holds_one_picture(read_start(input, kPictureStart), input);
 }
 
 std::unique_ptr<Source> open_source(const std::string& input, const ReadOptions& options) {
   if (means_pictures(input)) return open_pictures(list_pictures(input), options);
-  if (options.format.empty() && holds_picture(input)) return open_pictures({input}, options);
+  if (options.format.empty() && is_picture_file(input)) return open_pictures({input}, options);
   return open_stream(input, options);
 }
 
 }  // namespace
+
+bool holds_one_picture(std::span<const std::byte> start, const std::string& name) {
+  const auto format = image::detect_format(start);
+  if (!format || is_called_motion_jpeg(name)) return false;
+  const std::string_view text(reinterpret_cast<const char*>(start.data()), start.size());
+  return *format != image::ImageFormat::kPng || text.find("acTL") == std::string_view::npos;
+}
 
 VideoReader VideoReader::open(const std::string& input, const ReadOptions& options) {
   silence_libav();

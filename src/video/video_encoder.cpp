@@ -1,7 +1,10 @@
 #include "video_encoder.h"
 
 #include <algorithm>
+#include <cmath>
+#include <string>
 
+#include "carried_colours.h"
 #include "colour_rules.h"
 #include "encoder_choice.h"
 #include "image_to_frame.h"
@@ -12,11 +15,55 @@ namespace {
 
 /// MPEG-4 part 2 writes the time base in 16 bits.
 constexpr int kMpeg4Ticks = 65535;
+/// libav lists lower ones for MPEG-1 and 2, which are not in the standard, and refuses them.
+constexpr AVRational kLeastMpegRate{24000, 1001};
 
 /// libav does not tell this reliably by a flag. Matroska, mp4, nut and the like keep any times.
 bool has_fixed_rate(const AVOutputFormat& container) {
   const std::string name = container.name;
-  return name == "avi" || name == "gxf" || name == "yuv4mpegpipe" || name.starts_with("mxf");
+  return name == "avi" || name == "gxf" || name == "yuv4mpegpipe" || name.starts_with("mxf") ||
+         (container.flags & AVFMT_NOTIMESTAMPS) != 0;
+}
+
+/// Whether readers count frames, whatever times they were written with.
+bool counts_frames(const AVOutputFormat& container) {
+  const std::string name = container.name;  // program streams: a time for some of the frames only
+  return (container.flags & AVFMT_NOTIMESTAMPS) != 0 || name == "mpeg" || name == "vob" || name == "svcd" ||
+         name == "dvd" || name == "vcd";
+}
+
+/// Whether a stream tells one rate, and its encoder takes ticks for frames.
+bool has_fixed_rate(const AVCodecContext& encoder) {
+  switch (encoder.codec_id) {
+    case AV_CODEC_ID_THEORA:
+    case AV_CODEC_ID_DIRAC:
+    case AV_CODEC_ID_H261:
+    case AV_CODEC_ID_H263:
+    case AV_CODEC_ID_RV10:
+    case AV_CODEC_ID_RV20:
+    case AV_CODEC_ID_ROQ:
+      return true;
+    case AV_CODEC_ID_MPEG4:
+      return encoder.time_base.den > kMpeg4Ticks;
+    default:
+      return false;
+  }
+}
+
+/// The lowest rate of an encoder's list that is not too low, so that no frame is in the way of another one.
+/// @throws Error{kInvalidArgument} if all are.
+AVRational nearest_rate(const AVCodec& codec, AVRational rate) {
+  AVRational nearest{0, 1}, highest{0, 1};
+  for (const AVRational* known = codec.supported_framerates; known->num != 0; ++known) {
+    if (av_cmp_q(*known, kLeastMpegRate) < 0) continue;
+    if (av_cmp_q(*known, highest) > 0) highest = *known;
+    if (av_cmp_q(*known, rate) >= 0 && (nearest.num == 0 || av_cmp_q(*known, nearest) < 0)) nearest = *known;
+  }
+  if (nearest.num != 0) return nearest;
+  throw Error(ErrorKind::kInvalidArgument, std::string("encoder '") + codec.name + "' has no rate above " +
+                                               std::to_string(std::lround(av_q2d(highest))) +
+                                               " frames per second; this video has " +
+                                               std::to_string(std::lround(av_q2d(rate))));
 }
 
 /// @param info of the frames: a failure takes a size away that libav does not allow.
@@ -35,6 +82,7 @@ VideoEncoder::VideoEncoder(const StreamInfo& frames, const WriteOptions& options
     : info_(frames) {
   const AVCodec* codec = choose_encoder(options.codec, container);
   encoder_.reset(allocated(avcodec_alloc_context3(codec)));
+  info_.colour = carried_colours(frames.colour, codec->id, container);
   encoder_->width = frames.width;
   encoder_->height = frames.height;
   encoder_->pix_fmt = choose_pixel_format(*codec, frames, options.pixel_format);
@@ -62,8 +110,11 @@ void VideoEncoder::set_times(const AVOutputFormat& container) {
   const AVRational rate = info_.frame_rate.known() ? to_av(info_.frame_rate) : AVRational{25, 1};
   encoder_->framerate = rate;
   encoder_->time_base = to_av(info_.time_base);
-  const bool coarse = encoder_->codec_id == AV_CODEC_ID_MPEG4 && encoder_->time_base.den > kMpeg4Ticks;
-  if (has_fixed_rate(container) || coarse) encoder_->time_base = av_inv_q(rate);
+  const bool has_list = encoder_->codec->supported_framerates != nullptr;
+  if (has_list) encoder_->framerate = nearest_rate(*encoder_->codec, rate);
+  fills_gaps_ = has_list && counts_frames(container);
+  if (has_list || has_fixed_rate(container) || has_fixed_rate(*encoder_))
+    encoder_->time_base = av_inv_q(encoder_->framerate);
 }
 
 void VideoEncoder::open(const WriteOptions& options) {
@@ -72,6 +123,7 @@ void VideoEncoder::open(const WriteOptions& options) {
   const std::string name = encoder_->codec->name;  // a failure takes the codec away
   const int result = avcodec_open2(encoder_.get(), encoder_->codec, dictionary.get());
   if (result < 0) throw refused(*encoder_, info_, name, options, result);
+  takes_crf_ = dictionary.unused() != "crf";
 }
 
 void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64_t duration,
@@ -85,19 +137,32 @@ void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64
   frame->color_trc = encoder_->color_trc;
   frame->chroma_location = encoder_->chroma_sample_location;
   frame->sample_aspect_ratio = encoder_->sample_aspect_ratio;
+  frame->quality = encoder_->global_quality;  // where AV_CODEC_FLAG_QSCALE is looked for
   const AVRational from = to_av(info_.time_base), to = time_base();
   const std::int64_t begin = pts - info_.start;
   frame->pts = av_rescale_q(begin, from, to);
   if (last_pts_ != AV_NOPTS_VALUE) frame->pts = std::max(frame->pts, last_pts_ + 1);
+  if (fills_gaps_) repeat_until(frame->pts, receiver);
   if (av_compare_ts(frame->pts, to, begin, from) != 0) {
     warnings.count("frames are moved in time, because this output has a fixed rate");
   }
   last_pts_ = frame->pts;
-  durations_[frame->pts] = std::max<std::int64_t>(av_rescale_q(begin + duration, from, to) - frame->pts, 0);
+  last_end_ = std::max(av_rescale_q(begin + duration, from, to), frame->pts);
+  durations_[frame->pts] = last_end_ - frame->pts;
   send(frame.get(), receiver);
+  if (fills_gaps_) last_.reset(allocated(av_frame_clone(frame.get())));
+}
+
+/// The last frame once more at every tick that has gone by since.
+void VideoEncoder::repeat_until(std::int64_t pts, const Receiver& receiver) {
+  while (last_ && last_pts_ + 1 < pts) {
+    last_->pts = ++last_pts_;
+    send(last_.get(), receiver);
+  }
 }
 
 void VideoEncoder::finish(const Receiver& receiver) {
+  repeat_until(last_end_, receiver);
   send(nullptr, receiver);
 }
 

@@ -26,17 +26,24 @@ class VideoEncoder {
 
   const AVCodecContext& context() const { return *encoder_; }
   AVRational time_base() const { return encoder_->time_base; }
+  /// Whether WriteOptions::crf has been of use, if it was given.
+  bool takes_crf() const { return takes_crf_; }
 
  private:
   void set_colours();
   void set_times(const AVOutputFormat& container);
   void open(const WriteOptions& options);
+  void repeat_until(std::int64_t pts, const Receiver& receiver);
   void send(AVFrame* frame, const Receiver& receiver);
 
   StreamInfo info_;
   CodecPtr encoder_;
   std::map<std::int64_t, std::int64_t> durations_;  // of frames in the encoder, by their time
   std::int64_t last_pts_ = AV_NOPTS_VALUE;
+  std::int64_t last_end_ = 0;
+  bool fills_gaps_ = false;  // with repeated frames, where times are not kept and rates are not free
+  FramePtr last_;            // if it fills gaps
+  bool takes_crf_ = true;
 };
 
 }  // namespace knotreel::video

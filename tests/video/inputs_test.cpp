@@ -2,9 +2,11 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <thread>
 
 #include "clips.h"
+#include "knotreel/base/input_file.h"
 #include "knotreel/base/natural_order.h"
 #include "knotreel/image/write_image.h"
 #include "support/pictures.h"
@@ -191,6 +193,22 @@ TEST(Inputs, NamesWithColonsAndBlanksAreFiles) {
   const std::string path = dir / "http: a 10%.mkv";
   write_clip(path, moving_pattern(16, 16, 3, 2));
   EXPECT_EQ(read_clip(path).frames.size(), 2u);
+}
+
+TEST(Inputs, PicturesThatMoveAreVideos) {
+  const TempDir dir;
+  const ClipSpec clip = moving_pattern(64, 48, 3, 6);
+  write_clip(dir / "a.mjpeg", clip);
+  write_clip(dir / "a.apng", clip);
+  std::filesystem::rename(dir / "a.apng", dir / "a.png");
+  for (const char* name : {"a.mjpeg", "a.png"}) {
+    EXPECT_FALSE(holds_one_picture(read_start(dir / name, kPictureStart), name));
+    const WholeClip back = read_clip(dir / name);
+    EXPECT_FALSE(back.info.still) << name;
+    EXPECT_EQ(back.frames.size(), 6u) << name;
+  }
+  write_clip(dir / "b.png", moving_pattern(64, 48, 3, 1));
+  EXPECT_TRUE(holds_one_picture(read_start(dir / "b.png", kPictureStart), "b.png"));
 }
 
 }  // namespace

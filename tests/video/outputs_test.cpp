@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 #include <unistd.h>
 
+#include <filesystem>
 #include <thread>
 
 #include "clips.h"
@@ -158,6 +159,46 @@ TEST(Outputs, PipesGetStreamsThatNeedNoSeeking) {
         std::string(container) == "nut";  // by the delay of B-frames, as it cannot start below 0
     EXPECT_TRUE(shifts || back.frames.at(0).pts == 0) << container;
   }
+}
+
+struct Quality {
+  const char* codec;
+  double low;  ///< on the encoder's scale
+};
+
+std::ostream& operator<<(std::ostream& out, const Quality& q) {
+  return out << q.codec;
+}
+
+class KnowsQuality : public testing::TestWithParam<Quality> {};
+
+TEST_P(KnowsQuality, AndMakesSmallerFilesByIt) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(64, 48, 3, 6);
+  for (unsigned i = 0; i < 6; ++i) clip.images[i] = test::random_8bit_picture(64, 48, 3, i);
+  WriteOptions options = with_codec(GetParam().codec);
+  write_clip(dir / "high.nut", clip, options);
+  options.crf = GetParam().low;
+  write_clip(dir / "low.nut", clip, options);
+  const auto size = [&](const char* name) { return double(std::filesystem::file_size(dir / name)); };
+  EXPECT_LT(size("low.nut"), 0.7 * size("high.nut"));
+}
+
+INSTANTIATE_TEST_SUITE_P(Encoders, KnowsQuality,
+                         testing::Values(Quality{"h264", 40}, Quality{"hevc", 40}, Quality{"vp9", 50},
+                                         Quality{"vp8", 40}, Quality{"av1", 50}, Quality{"mpeg4", 20},
+                                         Quality{"mpeg2video", 20}, Quality{"mpeg1video", 20},
+                                         Quality{"mjpeg", 20}, Quality{"msmpeg4", 20}, Quality{"wmv2", 20},
+                                         Quality{"flv", 20}, Quality{"h263p", 20}, Quality{"theora", 9},
+                                         Quality{"snow", 20}, Quality{"svq1", 20}, Quality{"libxvid", 20}));
+
+TEST(Outputs, QualityThatAnEncoderDoesNotKnowIsTold) {
+  const TempDir dir;
+  WriteOptions options = with_codec("ffv1");
+  const StreamInfo info = moving_pattern(64, 48, 3, 1).info;
+  EXPECT_EQ(VideoWriter::create(dir / "a.mkv", info, options).warnings().size(), 0u);
+  options.crf = 20;
+  EXPECT_EQ(VideoWriter::create(dir / "a.mkv", info, options).warnings().size(), 1u);
 }
 
 TEST(Outputs, OneThreadGivesTheSameBytesTwice) {

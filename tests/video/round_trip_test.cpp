@@ -164,6 +164,50 @@ TEST(RoundTrip, WhatIsUntaggedStaysUntagged) {
   }
 }
 
+/// Flat fields, which survive any encoder, in colours that a wrong matrix or range shifts by many levels.
+ClipSpec fields(int width, int height, const ColourTags& tags) {
+  ClipSpec clip = moving_pattern(width, height, 3, 12);
+  clip.info.colour = tags;
+  clip.info.pixel_format = tags.range == 2 ? "yuvj420p" : "yuv420p";
+  constexpr float kFields[4][3] = {{200, 40, 40}, {30, 180, 60}, {50, 60, 210}, {250, 250, 250}};
+  for (int i = 0; i < 12; ++i) {
+    for (int y = 0; y < height; ++y) {
+      for (int x = 0; x < width; ++x) {
+        for (int c = 0; c < 3; ++c)
+          clip.images[static_cast<std::size_t>(i)].at(x, y, c) = kFields[(4 * x / width + i / 3) % 4][c];
+      }
+    }
+  }
+  return clip;
+}
+
+class ColoursIn : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+TEST_P(ColoursIn, AreThoseOfTheSourceWhateverItsTags) {
+  const TempDir dir;
+  const auto [name, codec] = GetParam();
+  for (const int height : {96, 720}) {
+    for (const ColourTags tags : {ColourTags{}, ColourTags{1, 1}, ColourTags{2, 1}, ColourTags{2, 6}}) {
+      const ClipSpec clip = fields(128, height, tags);
+      write_clip(dir / name, clip, with_codec(codec));
+      const WholeClip back = read_clip(dir / name);
+      ASSERT_FALSE(back.frames.empty());  // some encoders leave repeated frames out
+      EXPECT_LE(mean_difference(back.frames.back().image, clip.images.back()), 3)
+          << height << " rows, range " << tags.range << ", matrix " << tags.matrix;
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Files, ColoursIn,
+    testing::Values(std::pair("a.mp4", "h264"), std::pair("a.ts", "h264"), std::pair("a.flv", "h264"),
+                    std::pair("a.webm", "vp9"), std::pair("a.webm", "vp8"), std::pair("a.mkv", "av1"),
+                    std::pair("a.mkv", "ffv1"), std::pair("a.nut", "ffv1"), std::pair("a.avi", "ffv1"),
+                    std::pair("a.mov", "prores"), std::pair("a.avi", ""), std::pair("a.mp4", "mpeg4"),
+                    std::pair("a.mkv", "mpeg4"), std::pair("a.mpg", ""), std::pair("a.vob", ""),
+                    std::pair("a.wmv", ""), std::pair("a.ogv", ""), std::pair("a.avi", "mjpeg"),
+                    std::pair("a.mov", "mjpeg"), std::pair("a.mjpeg", ""), std::pair("a.flv", "flv")));
+
 TEST(RoundTrip, FullRangeKeepsBlackAndWhite) {
   const TempDir dir;
   for (const int range : {1, 2}) {

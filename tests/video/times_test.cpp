@@ -111,6 +111,47 @@ TEST(Times, OfRawStreamsComeFromTheRate) {
   EXPECT_TRUE(back.warnings.empty());
 }
 
+/// Frames of a video with a clock that is much finer than its rate.
+ClipSpec fine_clock(Rational rate, std::int64_t ticks) {
+  ClipSpec clip = moving_pattern(64, 48, 3, 12);
+  clip.info.frame_rate = rate;
+  clip.info.time_base = {rate.den, rate.num * ticks};
+  for (std::size_t i = 0; i < 12; ++i) {
+    clip.pts[i] = std::int64_t(i) * ticks;
+    clip.durations[i] = ticks;
+  }
+  return clip;
+}
+
+TEST(Times, OfStreamsThatTellOnlyARateAreThoseOfTheSource) {
+  const TempDir dir;
+  for (const char* name : {"a.h264", "a.hevc", "a.m1v", "a.m2v", "a.mpg", "a.vob", "a.ogv", "a.drc"}) {
+    write_clip(dir / name, fine_clock({24, 1}, 512));
+    const WholeClip back = read_clip(dir / name);
+    EXPECT_EQ(back.info.frame_rate, (Rational{24, 1})) << name;
+    ASSERT_EQ(back.frames.size(), 12u) << name;
+    for (std::size_t i = 0; i < 12; ++i)
+      EXPECT_NEAR(seconds(back)[i] - seconds(back)[0], double(i) / 24, 1e-4);
+  }
+}
+
+TEST(Times, AreKeptByRepeatingFramesWhereOnlySomeRatesThereAre) {
+  const TempDir dir;
+  const ClipSpec clip = fine_clock({12, 1}, 1024);
+  for (const char* name : {"a.mpg", "a.m1v"}) {
+    write_clip(dir / name, clip);
+    const WholeClip back = read_clip(dir / name);
+    EXPECT_NEAR(back.info.frame_rate.value(), 23.976, 1e-3);
+    ASSERT_EQ(back.frames.size(), 24u) << name;
+    for (std::size_t i = 0; i < 24; ++i)
+      EXPECT_LE(mean_difference(back.frames[i].image, clip.images[i / 2]), 8) << name << " " << i;
+  }
+  EXPECT_EQ(kind_of([&] {
+              VideoWriter::create(dir / "b.mpg", fine_clock({120, 1}, 512).info);
+            }),
+            ErrorKind::kInvalidArgument);
+}
+
 TEST(Times, OfMpegTransportStartAtZeroAgain) {
   const TempDir dir;
   write_clip(dir / "a.ts", moving_pattern(64, 48, 3, 5));

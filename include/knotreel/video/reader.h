@@ -1,8 +1,10 @@
 #pragma once
 
+#include <cstddef>
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -29,6 +31,13 @@ struct ReadOptions {
   std::map<std::string, std::string> demuxer_options;  ///< such as video_size, framerate, pixel_format
   Rational image_rate{25, 1};                          ///< of pictures
 };
+
+inline constexpr std::size_t kPictureStart = 4096;  ///< bytes that are enough for holds_one_picture()
+
+/// Whether a file holds one picture of a kind that the module image reads: animated PNG and, told by the
+/// extensions .mjpeg and .mjpg, streams of JPEG pictures are videos.
+/// @param start its first kPictureStart bytes, or all if it is shorter. @param name of the file.
+bool holds_one_picture(std::span<const std::byte> start, const std::string& name);
 
 struct ReaderState;
 

@@ -36,15 +36,16 @@ bool looks_like_picture(const fs::path& path) {
   }
 }
 
-/// By the name alone: nearly any file can be tried as a video, and that takes long.
+/// By the name alone: nearly any file can be tried as a video, and that takes long. But for pictures that
+/// move.
 bool looks_like_clip(const fs::path& path) {
-  static const std::set<std::string> kExtensions{".3gp",  ".apng", ".asf",  ".avi",  ".f4v",  ".flv", ".gif",
-                                                 ".h264", ".h265", ".hevc", ".ivf",  ".m2ts", ".m4v", ".mkv",
-                                                 ".mov",  ".mp4",  ".mpeg", ".mpg",  ".mts",  ".mxf", ".nut",
-                                                 ".ogv",  ".ts",   ".vob",  ".webm", ".wmv",  ".y4m"};
+  static const std::set<std::string> kExtensions{
+      ".3gp", ".apng", ".asf", ".avi", ".f4v", ".flv",   ".gif",  ".h264", ".h265", ".hevc",
+      ".ivf", ".m2ts", ".m4v", ".mkv", ".m2v", ".mjpeg", ".mjpg", ".mov",  ".mp4",  ".mpeg",
+      ".mpg", ".mts",  ".mxf", ".nut", ".ogv", ".ts",    ".vob",  ".webm", ".wmv",  ".y4m"};
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return kExtensions.contains(extension);
+  return kExtensions.contains(extension) || (extension == ".png" && !looks_like_picture(path));
 }
 
 bool is_hidden(const fs::path& path) {
