@@ -103,6 +103,18 @@ double told_end(const AVStream& stream) {
   return 3600.0 * hours + 60.0 * minutes + seconds;
 }
 
+ColourNames names_of(const ColourTags& tags) {
+  const auto name = [](bool told, const char* text) { return std::string(told && text ? text : ""); };
+  return {name(tags.range != AVCOL_RANGE_UNSPECIFIED, av_color_range_name(AVColorRange(tags.range))),
+          name(tags.matrix != AVCOL_SPC_UNSPECIFIED, av_color_space_name(AVColorSpace(tags.matrix))),
+          name(tags.primaries != AVCOL_PRI_UNSPECIFIED,
+               av_color_primaries_name(AVColorPrimaries(tags.primaries))),
+          name(tags.transfer != AVCOL_TRC_UNSPECIFIED,
+               av_color_transfer_name(AVColorTransferCharacteristic(tags.transfer))),
+          name(tags.chroma_location != AVCHROMA_LOC_UNSPECIFIED,
+               av_chroma_location_name(AVChromaLocation(tags.chroma_location)))};
+}
+
 double rotation_degrees(const StreamInfo& info) {
   std::array<std::int32_t, 9> matrix{};
   if (info.display_matrix.size() != sizeof matrix) return 0;

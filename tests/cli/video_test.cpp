@@ -289,6 +289,27 @@ TEST_F(CliVideo, InfoTellsOfVideos) {
   EXPECT_NE(text.out.find("ffv1 video\nsize            64x48"), std::string::npos) << text.out;
 }
 
+TEST_F(CliVideo, InfoTellsOfColours) {
+  video::VideoReader reader = video::VideoReader::open(clip_);
+  video::StreamInfo told = reader.info();
+  told.colour = {1, 1, 9, 16, 1};
+  video::VideoWriter writer = video::VideoWriter::create(path("told.mkv"), told);
+  for (video::Frame frame; reader.next(frame);) writer.write(frame.image, frame.pts, frame.duration);
+  writer.finish();
+  const json colour = json::parse(knotreel({"info", path("told.mkv"), "--json"}).out)["colour"];
+  EXPECT_EQ(colour, (json{{"range", "tv"},
+                          {"matrix", "bt709"},
+                          {"primaries", "bt2020"},
+                          {"transfer", "smpte2084"},
+                          {"chroma_location", "left"}}));
+  const auto text = knotreel({"info", path("told.mkv")});
+  EXPECT_NE(text.out.find("colour          range tv, matrix bt709, primaries bt2020, transfer smpte2084, "
+                          "chroma left\n"),
+            std::string::npos)
+      << text.out;
+  EXPECT_EQ(knotreel({"info", clip_}).out.find("matrix"), std::string::npos);
+}
+
 TEST_F(CliVideo, FormatNullOnlyTells) {
   vectorize();
   const auto result = knotreel({"render", document_, "-o", "-", "-f", "null"});

@@ -30,6 +30,12 @@ struct ColourTags {
   friend bool operator==(const ColourTags&, const ColourTags&) = default;
 };
 
+/// libav's names of what is told, such as "tv" and "bt709"; empty where nothing is.
+struct ColourNames {
+  std::string range, matrix, primaries, transfer, chroma_location;
+};
+ColourNames names_of(const ColourTags& tags);
+
 /// What is known of a video, and what a writer has to know of the frames that it will get.
 struct StreamInfo {
   int width = 0;              ///< pixels of the frames handed out, before any rotation

@@ -30,6 +30,30 @@ std::string stream_text(const Facts& stream) {
                      language.empty() ? "" : ", " + language);
 }
 
+Facts colour_facts(const video::ColourTags& tags) {
+  const video::ColourNames names = video::names_of(tags);
+  return {{"range", names.range},
+          {"matrix", names.matrix},
+          {"primaries", names.primaries},
+          {"transfer", names.transfer},
+          {"chroma_location", names.chroma_location}};
+}
+
+/// A line of what is told; empty if that is nothing.
+std::string colour_text(const Facts& colour) {
+  std::string text;
+  const auto add = [&](const char* what, const char* key) {
+    const std::string name = colour[key].get<std::string>();
+    if (!name.empty()) text += (text.empty() ? "" : ", ") + std::string(what) + " " + name;
+  };
+  add("range", "range");
+  add("matrix", "matrix");
+  add("primaries", "primaries");
+  add("transfer", "transfer");
+  add("chroma", "chroma_location");
+  return text.empty() ? text : "colour          " + text + "\n";
+}
+
 std::string length_text(const Facts& facts) {
   if (facts["frames"] == 0) return "not told";
   return fmt::format("about {} frames, {:.3f} s", facts["frames"].get<std::uint64_t>(),
@@ -63,6 +87,7 @@ Facts video_facts(const std::string& path) {
           {"channels", info.channels},
           {"depth", info.depth},
           {"pixel_format", info.pixel_format},
+          {"colour", colour_facts(info.colour)},
           {"sample_aspect", rational_facts(info.sample_aspect)},
           {"rotation", video::rotation_degrees(info)},
           {"time_base", {info.time_base.num, info.time_base.den}},
@@ -78,11 +103,12 @@ std::string video_text(const std::string& path, const Facts& facts) {
       "{}: {} video\n"
       "size            {}x{}, {}, {} bits per sample\n"
       "pixel format    {}\n"
+      "{}"
       "rate            {} frames per second, time base {}/{} s\n"
       "length          {}\n",
       path, facts["codec"].get<std::string>(), facts["width"].get<int>(), facts["height"].get<int>(),
       channels_name(facts["channels"].get<int>()), facts["depth"].get<int>(),
-      facts["pixel_format"].get<std::string>(), rate_text(facts["frame_rate"]),
+      facts["pixel_format"].get<std::string>(), colour_text(facts["colour"]), rate_text(facts["frame_rate"]),
       facts["time_base"][0].get<std::int64_t>(), facts["time_base"][1].get<std::int64_t>(),
       length_text(facts));
   if (const double degrees = facts["rotation"].get<double>(); degrees != 0) {
