@@ -14,12 +14,12 @@ namespace {
 class VideoFrames : public FrameSource {
  public:
   VideoFrames(const std::string& path, int threads)
-      : reader_(video::VideoReader::open(path, options(threads))) {}
+      : reader_(video::VideoReader::open(path, options(threads))), turn_(video::turn_of(reader_.info())) {}
 
   bool next(image::Image& image) override {
     video::Frame frame;
     if (!reader_.next(frame)) return false;
-    image = std::move(frame.image);
+    image = video::turned(frame.image, turn_);
     return true;
   }
   std::vector<std::string> warnings() const override { return reader_.warnings(); }
@@ -33,20 +33,23 @@ class VideoFrames : public FrameSource {
   }
 
   video::VideoReader reader_;
+  video::Turn turn_;
 };
 
 class DocumentFrames : public FrameSource {
  public:
-  explicit DocumentFrames(const std::string& path) : reader_(document::Reader::open(path)) {}
+  explicit DocumentFrames(const std::string& path)
+      : reader_(document::Reader::open(path)), turn_(turn_of(reader_)) {}
 
   bool next(image::Image& image) override {
     if (next_ == reader_.frame_count()) return false;
-    image = render_whole(reader_.read(next_++), {});
+    image = video::turned(render_whole(reader_.read(next_++), {}), turn_);
     return true;
   }
 
  private:
   document::Reader reader_;
+  video::Turn turn_;
   std::size_t next_ = 0;
 };
 

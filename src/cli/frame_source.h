@@ -8,7 +8,8 @@
 
 namespace knotreel::cli {
 
-/// Frames of a video, or of a document, which are drawn at their own size. One thread at a time.
+/// Frames of a video, or of a document, which are drawn at their own size, as players show them: turned, if
+/// the video says so. One thread at a time.
 class FrameSource {
  public:
   virtual ~FrameSource() = default;

@@ -23,10 +23,14 @@ Size given_size(const std::string& text) {
   return size;
 }
 
+Size with_sides(Size size, const video::Turn& turn) {
+  return turn.swaps_sides() ? Size{size.height, size.width} : size;
+}
+
 }  // namespace
 
-Size output_size(double scale, const std::string& size, int width, int height) {
-  if (!size.empty()) return given_size(size);
+Size output_size(double scale, const std::string& size, int width, int height, const video::Turn& turn) {
+  if (!size.empty()) return with_sides(given_size(size), turn);
   if (!std::isfinite(scale) || scale <= 0) refuse("--scale takes a number above 0");
   const double scaled_width = std::max(1.0, std::round(width * scale));
   const double scaled_height = std::max(1.0, std::round(height * scale));
@@ -36,14 +40,19 @@ Size output_size(double scale, const std::string& size, int width, int height) {
   return {static_cast<int>(scaled_width), static_cast<int>(scaled_height)};
 }
 
-Rect parse_crop(const std::string& text, Size whole) {
+Rect parse_crop(const std::string& text, Size whole, const video::Turn& turn) {
   const Rect crop = parse_rect("--crop", text);
-  if (crop.x > whole.width - crop.width || crop.y > whole.height - crop.height) {
+  const Size shown = with_sides(whole, turn);
+  if (crop.x > shown.width - crop.width || crop.y > shown.height - crop.height) {
     throw Error(ErrorKind::kInvalidArgument, "--crop " + text + " is not inside the picture of " +
-                                                 std::to_string(whole.width) + "x" +
-                                                 std::to_string(whole.height) + " pixels");
+                                                 std::to_string(shown.width) + "x" +
+                                                 std::to_string(shown.height) + " pixels");
   }
-  return crop;
+  // Its sides, counted from where the pixels drawn first are shown.
+  const int x = turn.right_x + turn.down_x > 0 ? crop.x : shown.width - crop.x - crop.width;
+  const int y = turn.right_y + turn.down_y > 0 ? crop.y : shown.height - crop.y - crop.height;
+  if (turn.swaps_sides()) return {y, x, crop.height, crop.width};
+  return {x, y, crop.width, crop.height};
 }
 
 }  // namespace knotreel::cli

@@ -11,6 +11,7 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/image/format.h"
 #include "knotreel/image/read_image.h"
+#include "knotreel/pipeline/sequence.h"
 #include "knotreel/video/reader.h"
 
 namespace knotreel::cli {
@@ -42,6 +43,10 @@ bool is_picture(const std::filesystem::path& path) {
 document::Reader open_document(const std::filesystem::path& path) {
   if (path != "-") return document::Reader::open(path);
   return document::Reader::open(read_whole(path, kMaxPipedBytes, "document"), "standard input");
+}
+
+video::Turn turn_of(const document::Reader& reader) {
+  return video::turn_of(pipeline::stream_info(reader.info()));
 }
 
 document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame) {
@@ -77,7 +82,10 @@ void stream_rendering(const raster::Renderer& renderer, const image::Background&
 }
 
 image::Image render_whole(const document::FrameModel& model, const raster::RenderOptions& options) {
-  const raster::Renderer renderer(model, options);
+  return render_whole(raster::Renderer(model, options));
+}
+
+image::Image render_whole(const raster::Renderer& renderer) {
   image::Image image = image::make_image(renderer.width(), renderer.height(), renderer.channels());
   renderer.rows(0, image.height, image.samples);
   return image;
@@ -86,7 +94,7 @@ image::Image render_whole(const document::FrameModel& model, const raster::Rende
 image::Image load_picture(const std::filesystem::path& path, std::uint64_t frame) {
   if (is_picture(path)) return image::read_image(path);
   document::Reader reader = open_document(path);
-  return render_whole(read_frame(reader, frame), {});
+  return video::turned(render_whole(read_frame(reader, frame), {}), turn_of(reader));
 }
 
 }  // namespace knotreel::cli

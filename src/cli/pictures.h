@@ -9,6 +9,7 @@
 #include "knotreel/image/image.h"
 #include "knotreel/image/write_image.h"
 #include "knotreel/raster/render.h"
+#include "knotreel/video/turn.h"
 
 /// Pictures from documents, and from either kind of file.
 namespace knotreel::cli {
@@ -18,6 +19,9 @@ bool is_picture(const std::filesystem::path& path);
 
 /// Opens a document; `-` is standard input. @throws Error{kInput}.
 document::Reader open_document(const std::filesystem::path& path);
+
+/// How players show the video that a document comes from.
+video::Turn turn_of(const document::Reader& reader);
 
 /// Reads one frame. @throws Error{kInvalidArgument} if there is no such frame.
 document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame);
@@ -29,9 +33,10 @@ void stream_rendering(const raster::Renderer& renderer, const image::Background&
                       image::RowWriter& writer);
 
 /// The whole rendering in memory.
+image::Image render_whole(const raster::Renderer& renderer);
 image::Image render_whole(const document::FrameModel& model, const raster::RenderOptions& options);
 
-/// A picture file, or the given frame of a document at its own size.
+/// A picture file, or the given frame of a document at its own size, as players show it.
 image::Image load_picture(const std::filesystem::path& path, std::uint64_t frame);
 
 }  // namespace knotreel::cli

@@ -12,6 +12,7 @@ namespace knotreel::cli {
 namespace {
 
 constexpr std::uint64_t kMaxOutputPixels = std::uint64_t{1} << 32;
+constexpr std::uint64_t kMaxTurnedPixels = std::uint64_t{1} << 28;
 
 struct Arguments {
   std::string input;
@@ -33,15 +34,16 @@ struct Arguments {
 }
 
 /// Size and crop, checked before anything is allocated for them.
-raster::RenderOptions render_options(const Arguments& arguments, const document::SequenceInfo& info) {
-  const Size whole = output_size(arguments.scale, arguments.size, info.width, info.height);
+raster::RenderOptions render_options(const Arguments& arguments, const document::SequenceInfo& info,
+                                     const video::Turn& turn) {
+  const Size whole = output_size(arguments.scale, arguments.size, info.width, info.height, turn);
   raster::RenderOptions options;
   options.width = whole.width;
   options.height = whole.height;
   options.antialias = !arguments.aliased;
   Size output = whole;
   if (!arguments.crop.empty()) {
-    const Rect crop = parse_crop(arguments.crop, whole);
+    const Rect crop = parse_crop(arguments.crop, whole, turn);
     options.crop_x = crop.x;
     options.crop_y = crop.y;
     options.crop_width = crop.width;
@@ -52,6 +54,18 @@ raster::RenderOptions render_options(const Arguments& arguments, const document:
     refuse("the output would have more than " + std::to_string(kMaxOutputPixels) + " pixels; use --crop");
   }
   return options;
+}
+
+/// The last row may come first, so the whole picture is held in memory.
+void write_turned(const raster::Renderer& renderer, const video::Turn& turn,
+                  const image::Background& background, image::RowWriter& writer) {
+  if (std::uint64_t(renderer.width()) * std::uint64_t(renderer.height()) > kMaxTurnedPixels) {
+    refuse("a video that is shown turned cannot give more than " + std::to_string(kMaxTurnedPixels) +
+           " pixels; use --crop");
+  }
+  image::Image whole = video::turned(render_whole(renderer), turn);
+  image::put_on_background(whole.samples, renderer.channels(), background);
+  writer.write(whole.samples, whole.height);
 }
 
 void render_picture(const Arguments& arguments) {
@@ -68,13 +82,18 @@ void render_picture(const Arguments& arguments) {
   }
 
   document::Reader reader = open_document(arguments.input);
-  const raster::RenderOptions options = render_options(arguments, reader.info());
+  const video::Turn turn = turn_of(reader);
+  const raster::RenderOptions options = render_options(arguments, reader.info(), turn);
   const raster::Renderer renderer(read_frame(reader, arguments.frame), options);
-  spec.width = renderer.width();
-  spec.height = renderer.height();
+  spec.width = turn.swaps_sides() ? renderer.height() : renderer.width();
+  spec.height = turn.swaps_sides() ? renderer.width() : renderer.height();
   spec.channels = image::channels_on(background, renderer.channels());
   const auto writer = image::open_image_writer(arguments.output, spec);
-  stream_rendering(renderer, background, *writer);
+  if (turn.is_none()) {
+    stream_rendering(renderer, background, *writer);
+  } else {
+    write_turned(renderer, turn, background, *writer);
+  }
   writer->finish();
 }
 

@@ -47,13 +47,14 @@ pipeline::RenderJob make_job(const RenderVideo& arguments, document::Reader& rea
   if (!arguments.frames.empty()) parse_frames(arguments.frames, job);
   if (!arguments.fps.empty()) job.rate = parse_rate("--fps", arguments.fps);
   const document::SequenceInfo& info = reader.info();
-  const Size size = output_size(arguments.scale, arguments.size, info.width, info.height);
+  const video::Turn turn = turn_of(reader);
+  const Size size = output_size(arguments.scale, arguments.size, info.width, info.height, turn);
   job.video.path = arguments.output;
   job.video.options = write_options(arguments.encoding, arguments.format, arguments.threads);
   job.video.width = size.width;
   job.video.height = size.height;
   if (!arguments.crop.empty()) {
-    const Rect crop = parse_crop(arguments.crop, size);
+    const Rect crop = parse_crop(arguments.crop, size, turn);
     job.video.crop = {crop.x, crop.y, crop.width, crop.height};
   }
   job.video.background = arguments.background;

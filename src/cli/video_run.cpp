@@ -82,7 +82,7 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
   job.document = run.document;
   job.split_folder = run.split_folder;
   job.video = run.video;
-  const Size size = output_size(run.scale, run.size, info.width, info.height);
+  const Size size = output_size(run.scale, run.size, info.width, info.height, video::turn_of(info));
   job.video.width = size.width;
   job.video.height = size.height;
   if (!run.side_by_side.empty()) {

@@ -35,6 +35,11 @@ bool has_option(const AVOutputFormat& container, const char* name) {
   return options != nullptr && av_opt_find(&options, name, nullptr, 0, AV_OPT_SEARCH_FAKE_OBJ) != nullptr;
 }
 
+/// Those of QuickTime do, Matroska does not (5.1).
+bool keeps_display_matrix(const AVOutputFormat& container) {
+  return has_option(container, "video_track_timescale");
+}
+
 /// A container file with one encoded video stream and copied others.
 class FileSink : public Sink {
  public:
@@ -113,7 +118,7 @@ class FileSink : public Sink {
   }
 
   void keep_rotation(AVStream& stream, const std::vector<std::byte>& matrix) {
-    if (!has_option(container_, "video_track_timescale")) {
+    if (!keeps_display_matrix(container_)) {
       warnings.add("container '" + std::string(container_.name) +
                    "' does not keep the rotation of the picture");
       return;
@@ -160,6 +165,10 @@ class FileSink : public Sink {
 };
 
 }  // namespace
+
+bool keeps_rotation(const std::string& output, const WriteOptions& options) {
+  return keeps_display_matrix(choose_container(output, options.container));
+}
 
 std::unique_ptr<Sink> make_file_sink(const std::string& output, const StreamInfo& frames,
                                      const WriteOptions& options, const VideoReader* copied) {

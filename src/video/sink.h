@@ -3,6 +3,7 @@
 #include <memory>
 #include <string>
 
+#include "knotreel/video/turn.h"
 #include "knotreel/video/writer.h"
 #include "warnings.h"
 
@@ -19,7 +20,8 @@ class Sink {
   virtual std::string codec() const { return {}; }
   virtual std::string pixel_format() const { return {}; }
 
-  StreamInfo info;
+  StreamInfo info;  ///< of the frames given, before they are turned
+  Turn turn;        ///< what the sink cannot tell a player to do
   Warnings warnings;
   bool started = false, finished = false;
   std::int64_t last_pts = 0;
@@ -29,6 +31,8 @@ std::unique_ptr<Sink> make_null_sink();
 std::unique_ptr<Sink> make_hash_sink(const StreamInfo& frames);
 /// @param output  a name with %d in it, or the name of a single picture.
 std::unique_ptr<Sink> make_picture_sink(const std::string& output, const StreamInfo& frames);
+/// Whether a file of make_file_sink() tells players how to turn its pictures.
+bool keeps_rotation(const std::string& output, const WriteOptions& options);
 std::unique_ptr<Sink> make_file_sink(const std::string& output, const StreamInfo& frames,
                                      const WriteOptions& options, const VideoReader* copied);
 

@@ -27,11 +27,22 @@ bool names_picture(const std::string& output) {
   return number_pattern(output) || (!extension.empty() && image::format_of_extension(extension.substr(1)));
 }
 
+bool is_for_pictures(const std::string& output, const WriteOptions& options) {
+  return options.container.empty() && names_picture(output);
+}
+
+/// What is to be done to the pictures themselves. Digests are of frames as they are.
+Turn turn_for(const std::string& output, const StreamInfo& frames, const WriteOptions& options) {
+  if (options.container == "null" || options.container == "hash") return {};
+  if (!is_for_pictures(output, options) && keeps_rotation(output, options)) return {};
+  return turn_of(frames);
+}
+
 std::unique_ptr<Sink> make_sink(const std::string& output, const StreamInfo& frames,
                                 const WriteOptions& options, const VideoReader* copied) {
   if (options.container == "null") return make_null_sink();
   if (options.container == "hash") return make_hash_sink(frames);
-  if (options.container.empty() && names_picture(output)) return make_picture_sink(output, frames);
+  if (is_for_pictures(output, options)) return make_picture_sink(output, frames);
   return make_file_sink(output, frames, options, copied);
 }
 
@@ -41,8 +52,10 @@ VideoWriter VideoWriter::create(const std::string& output, const StreamInfo& fra
                                 const WriteOptions& options, const VideoReader* copied) {
   silence_libav();
   check_info(frames);
-  std::unique_ptr<Sink> sink = make_sink(output, frames, options, copied);
+  const Turn turn = turn_for(output, frames, options);
+  std::unique_ptr<Sink> sink = make_sink(output, turned(frames, turn), options, copied);
   sink->info = frames;
+  sink->turn = turn;
   return VideoWriter(std::move(sink));
 }
 
@@ -61,7 +74,11 @@ void VideoWriter::write(const image::Image& image, std::int64_t pts, std::int64_
   if (sink.started && pts <= sink.last_pts) refuse("the time of a frame is not after the frame before");
   sink.started = true;
   sink.last_pts = pts;
-  sink.write(image, pts, duration);
+  if (sink.turn.is_none()) {
+    sink.write(image, pts, duration);
+  } else {
+    sink.write(turned(image, sink.turn), pts, duration);
+  }
 }
 
 void VideoWriter::write_packets(const std::vector<Packet>& packets) {

@@ -1,8 +1,10 @@
 #include <csignal>
+#include <cstring>
 #include <filesystem>
 #include <fstream>
 
 #include "knotreel/document/reader.h"
+#include "knotreel/image/read_image.h"
 #include "program.h"
 #include "support/clips.h"
 
@@ -308,6 +310,41 @@ TEST_F(CliVideo, InfoTellsOfColours) {
             std::string::npos)
       << text.out;
   EXPECT_EQ(knotreel({"info", clip_}).out.find("matrix"), std::string::npos);
+}
+
+TEST_F(CliVideo, SizesAndPartsAreThoseOfThePictureAsShown) {
+  video::VideoReader reader = video::VideoReader::open(clip_);
+  video::StreamInfo info = reader.info();
+  const std::int32_t quarter[9] = {0, 65536, 0, -65536, 0, 0, 0, 0, 1 << 30};  // clockwise: 48x64
+  info.display_matrix.resize(sizeof quarter);
+  std::memcpy(info.display_matrix.data(), quarter, sizeof quarter);
+  video::VideoWriter writer = video::VideoWriter::create(path("phone.mp4"), info);
+  for (video::Frame frame; reader.next(frame);) writer.write(frame.image, frame.pts, frame.duration);
+  writer.finish();
+  const std::string phone = path("phone.mp4"), document = path("phone.tcb");
+  expect_success(knotreel({"vectorize", phone, "-o", document, "--preset", "fast"}));
+  expect_success(knotreel({"render", document, "--frame", "2", "-o", path("whole.png"), "--scale", "2"}));
+  expect_success(knotreel(
+      {"render", document, "--frame", "2", "-o", path("part.png"), "--scale", "2", "--crop", "10,20,50,70"}));
+  expect_success(
+      knotreel({"render", document, "-o", path("p%d.png"), "--scale", "2", "--crop", "10,20,50,70"}));
+  const image::Image whole = image::read_image(path("whole.png"));
+  ASSERT_EQ(whole.width, 96);
+  ASSERT_EQ(whole.height, 128);
+  for (const char* name : {"part.png", "p3.png"}) {
+    const image::Image part = image::read_image(path(name));
+    ASSERT_EQ(part.width, 50);
+    ASSERT_EQ(part.height, 70);
+    for (int y = 0; y < 70; ++y)
+      for (int x = 0; x < 50; ++x) ASSERT_EQ(part.at(x, y, 1), whole.at(x + 10, y + 20, 1)) << name;
+  }
+  expect_success(knotreel({"transcode", phone, "-o", path("o.mp4"), "--preset", "fast", "--size", "24x32"}));
+  EXPECT_EQ(video::VideoReader::open(path("o.mp4")).info().width, 32);
+  expect_success(knotreel({"transcode", phone, "-o", path("o.mkv"), "--preset", "fast", "--size", "24x32"}));
+  EXPECT_EQ(video::VideoReader::open(path("o.mkv")).info().width, 24);
+  const auto compared = knotreel({"compare", phone, document, "--json"});
+  expect_success(compared);
+  EXPECT_GT(json::parse(compared.out)["psnr"], 25);
 }
 
 TEST_F(CliVideo, FormatNullOnlyTells) {

@@ -1,7 +1,11 @@
 #include <gtest/gtest.h>
 
+#include <cstring>
+
 #include "clips.h"
 #include "knotreel/base/error.h"
+#include "knotreel/image/read_image.h"
+#include "knotreel/video/turn.h"
 #include "support/pictures.h"
 #include "support/temp_dir.h"
 
@@ -137,8 +141,8 @@ TEST(RoundTrip, TagsAspectAndRotationSurvive) {
     write_clip(dir / name, clip, with_codec("h264"));
     const StreamInfo back = read_clip(dir / name).info;
     EXPECT_EQ(back.colour, clip.info.colour) << name;
-    EXPECT_EQ(back.sample_aspect, clip.info.sample_aspect) << name;
-    const bool rotates = std::string(name) != "a.mkv";
+    const bool rotates = std::string(name) != "a.mkv";  // its pictures are turned
+    EXPECT_EQ(back.sample_aspect, rotates ? clip.info.sample_aspect : (Rational{3, 4})) << name;
     EXPECT_EQ(back.display_matrix.empty(), !rotates) << name;
     EXPECT_TRUE(!rotates || back.display_matrix == clip.info.display_matrix) << name;
     EXPECT_NEAR(rotation_degrees(back), rotates ? 90 : 0, 1e-3) << name;
@@ -150,6 +154,64 @@ TEST(RoundTrip, RotationThatIsLostIsTold) {
   ClipSpec clip = moving_pattern(16, 16, 3, 1);
   clip.info.display_matrix.resize(36);
   EXPECT_EQ(VideoWriter::create(dir / "a.mkv", clip.info).warnings().size(), 1u);
+}
+
+/// A matrix that shows a picture turned clockwise by so many quarters, and mirrored before that.
+std::vector<std::byte> display_matrix(int quarters, bool mirrored) {
+  constexpr int kCos[4] = {1, 0, -1, 0};
+  const int c = kCos[quarters], s = kCos[(quarters + 3) % 4];
+  const int side = mirrored ? -1 : 1;
+  const std::int32_t matrix[9] = {side * c * 65536, side * s * 65536, 0, -s * 65536, c * 65536, 0, 0, 0,
+                                  1 << 30};
+  std::vector<std::byte> bytes(sizeof matrix);
+  std::memcpy(bytes.data(), matrix, sizeof matrix);
+  return bytes;
+}
+
+/// One quarter, pixel by pixel: what was at the left is at the top.
+image::Image turned_once(const image::Image& image) {
+  image::Image result = image::make_image(image.height, image.width, image.channels);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < image.channels; ++c) result.at(image.height - 1 - y, x, c) = image.at(x, y, c);
+    }
+  }
+  return result;
+}
+
+image::Image mirrored(const image::Image& image) {
+  image::Image result = image;
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < image.channels; ++c) result.at(x, y, c) = image.at(image.width - 1 - x, y, c);
+    }
+  }
+  return result;
+}
+
+TEST(RoundTrip, PicturesAreTurnedWherePlayersWouldNot) {
+  const TempDir dir;
+  for (const bool mirror : {false, true}) {
+    for (int quarters = 0; quarters < 4; ++quarters) {
+      ClipSpec clip = moving_pattern(37, 23, 3, 2);
+      clip.info.pixel_format = "gbrp";
+      clip.info.sample_aspect = {4, 3};
+      clip.info.display_matrix = display_matrix(quarters, mirror);
+      image::Image shown = mirror ? mirrored(clip.images[1]) : clip.images[1];
+      for (int q = 0; q < quarters; ++q) shown = turned_once(shown);
+      EXPECT_LE(largest_difference(turned(clip.images[1], turn_of(clip.info)), shown), 0);
+      write_clip(dir / "a.mkv", clip, with_codec("ffv1"));
+      write_clip(dir / "p%02d.png", clip);
+      const WholeClip back = read_clip(dir / "a.mkv");
+      EXPECT_LE(largest_difference(back.frames.at(1).image, shown), 1e-3) << quarters << mirror;
+      EXPECT_EQ(back.info.sample_aspect, quarters % 2 == 0 ? (Rational{4, 3}) : (Rational{3, 4}));
+      EXPECT_LE(largest_difference(image::read_image(dir / "p02.png"), shown), 1e-3) << quarters << mirror;
+      // And players do in QuickTime.
+      write_clip(dir / "a.mov", clip, with_codec("prores"));
+      EXPECT_EQ(read_clip(dir / "a.mov").info.width, 37);
+      EXPECT_EQ(read_clip(dir / "a.mov").info.display_matrix.empty(), quarters == 0 && !mirror);
+    }
+  }
 }
 
 TEST(RoundTrip, WhatIsUntaggedStaysUntagged) {

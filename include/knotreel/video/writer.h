@@ -28,6 +28,7 @@ struct WriteOptions {
 /// A file is written aside and gets its name in finish(). Without finish() nothing is left of it; after an
 /// interruption finish() makes what has been written so far a whole, playable file. `-` is standard output.
 /// Names with `%04d` are one picture per frame, from number 1 on, which appear one by one.
+/// Rotation is kept where players find it, in mp4 and mov; elsewhere pictures are turned on their way.
 /// The container "null" only counts, "hash" makes a digest of all samples and times.
 class VideoWriter {
  public:
