@@ -133,7 +133,8 @@ void render(const CLI::App& command, const Arguments& arguments) {
 }
 
 constexpr const char* kFooter = R"(
-Memory does not grow with the size of the output, except for TIFF, JPEG, WebP and BMP.
+Memory does not grow with the size of the output, except for TIFF, JPEG, WebP and BMP, and for frames of
+videos that players show turned. --size and --crop are of what is shown.
 If the output is a video (clip.mp4) or a pattern (frame_%04d.png), all frames are drawn, at their times.
 Examples:
   knotreel render photo.tcb -o photo.png

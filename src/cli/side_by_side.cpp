@@ -10,14 +10,15 @@ namespace {
 
 constexpr int kWidest = 1920;  // pixels, unless the input is wider than a third of that
 
-/// Puts a canvas into a picture, its left side at a column.
-void paste(image::Image& image, const debug::Canvas& canvas, int left) {
+image::Image shown(const debug::Canvas& canvas, const video::Turn& turn) {
   const std::span<const std::uint8_t> rgb = canvas.rgb();
-  const auto row = static_cast<std::size_t>(3 * canvas.width());
-  for (int y = 0; y < canvas.height(); ++y) {
-    float* to = image.row(y).data() + 3 * left;
-    for (std::size_t i = 0; i < row; ++i) to[i] = rgb[std::size_t(y) * row + i];
-  }
+  return video::turned({canvas.width(), canvas.height(), 3, {rgb.begin(), rgb.end()}}, turn);
+}
+
+/// Puts a picture into another one, its left side at a column.
+void paste(image::Image& image, const image::Image& part, int left) {
+  for (int y = 0; y < part.height; ++y)
+    std::copy(part.row(y).begin(), part.row(y).end(), image.row(y).begin() + 3 * left);
 }
 
 image::Image enlarged_model(const document::FrameModel& model, int scale) {
@@ -32,15 +33,16 @@ image::Image enlarged_model(const document::FrameModel& model, int scale) {
 
 }  // namespace
 
-image::Image side_by_side(const image::Image& picture, const document::FrameModel& model) {
-  const int scale =
-      std::clamp(kWidest / (3 * picture.width), 1, debug::debug_scale(picture.width, picture.height));
-  const debug::Canvas original = debug::enlarged_by(scale, picture);
-  const debug::Canvas mesh = debug::draw_mapped_mesh(picture, model, scale);
-  const debug::Canvas drawing = debug::enlarged_by(1, enlarged_model(model, scale));
-  const int width = original.width();
+image::Image side_by_side(const image::Image& picture, const document::FrameModel& model,
+                          const video::Turn& turn) {
+  const int wide = turn.swaps_sides() ? picture.height : picture.width;
+  const int scale = std::clamp(kWidest / (3 * wide), 1, debug::debug_scale(picture.width, picture.height));
+  const image::Image original = shown(debug::enlarged_by(scale, picture), turn);
+  const image::Image mesh = shown(debug::draw_mapped_mesh(picture, model, scale), turn);
+  const image::Image drawing = shown(debug::enlarged_by(1, enlarged_model(model, scale)), turn);
+  const int width = original.width;
   // Encoders want even sizes.
-  image::Image result = image::make_image((3 * width + 1) / 2 * 2, (original.height() + 1) / 2 * 2, 3);
+  image::Image result = image::make_image((3 * width + 1) / 2 * 2, (original.height + 1) / 2 * 2, 3);
   paste(result, original, 0);
   paste(result, drawing, width);
   paste(result, mesh, 2 * width);

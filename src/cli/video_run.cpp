@@ -87,7 +87,10 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
   job.video.height = size.height;
   if (!run.side_by_side.empty()) {
     job.beside = run.side_by_side;
-    job.compose = side_by_side;
+    job.compose = [turn = video::turn_of(info)](const image::Image& picture,
+                                                const document::FrameModel& model) {
+      return side_by_side(picture, model, turn);
+    };
   }
   if (!run.debug_dir.empty()) job.watch = debug::watch_into(run.debug_dir);
   job.stop = [] { return interrupted(); };

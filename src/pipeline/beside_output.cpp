@@ -1,5 +1,7 @@
 #include "pipeline/beside_output.h"
 
+#include "knotreel/video/turn.h"
+
 namespace knotreel::pipeline {
 
 void BesideOutput::compose(Message& message) const {
@@ -10,7 +12,7 @@ void BesideOutput::write(Message& message) {
   if (!job_.compose) return;
   if (!message.repeats) written_ = std::move(message.beside);
   if (!writer_) {
-    video::StreamInfo info = job_.reader->info();
+    video::StreamInfo info = video::turned(job_.reader->info(), video::turn_of(job_.reader->info()));
     info.width = written_.width;
     info.height = written_.height;
     info.channels = written_.channels;

@@ -93,7 +93,8 @@ using Stop = std::function<bool()>;                          ///< from any threa
 using FrameObserver = std::function<void(const FrameRow&)>;  ///< in order, from any thread, one at a time
 
 /// A picture to show beside the result, from a frame of the source and its stored model; called for several
-/// frames at once. All have the same size, which is even, and three channels.
+/// frames at once. All have the same size, which is even, and three channels; turned as players show the
+/// source.
 using Compose = std::function<image::Image(const image::Image& picture, const document::FrameModel& model)>;
 
 /// Somebody who looks at frames while they are made; called for several frames at once. May be empty.
