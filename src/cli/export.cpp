@@ -55,6 +55,8 @@ void export_frame(const Arguments& arguments) {
 
   document::Reader reader = open_document(arguments.input);
   const document::FrameModel model = read_frame(reader, arguments.frame);
+  const video::Turn turn = turn_of(reader);
+  options.turn = {turn.right_x, turn.right_y, turn.down_x, turn.down_y};
   OutputFile file(arguments.output);
   if (format == "pdf") {
     write_pdf(model, options, file);

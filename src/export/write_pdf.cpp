@@ -34,17 +34,20 @@ class PdfWriter {
     Painting painting = paint(0, colours);
     if (has_alpha) painting = masked(painting, paint(colours, 1));
     const auto& mesh = model_.space->mesh();
+    const PageTurn& turn = options_.turn;
+    const double width = turn.swaps_sides() ? mesh.height : mesh.width;
+    const double height = turn.swaps_sides() ? mesh.width : mesh.height;
     const double s = options_.scale;
     pdf_.write_object(catalog, "<</Type/Catalog/Pages " + reference(pages) + ">>");
     pdf_.write_object(pages, "<</Type/Pages/Count 1/Kids[" + reference(page) + "]>>");
     pdf_.write_object(page, "<</Type/Page/Parent " + reference(pages) + "/MediaBox[0 0 " +
-                                number_text(mesh.width * s, 4) + ' ' + number_text(mesh.height * s, 4) +
-                                "]/Contents " + reference(content) + "/Resources<<" + painting.resources +
+                                number_text(width * s, 4) + ' ' + number_text(height * s, 4) + "]/Contents " +
+                                reference(content) + "/Resources<<" + painting.resources +
                                 ">>/Group<</S/Transparency/CS/" + colour_space(colours) + ">>>>");
     // From here on in pixels of the picture, y down.
     pdf_.begin_stream(content, "");
-    pdf_.add_to_stream(number_text(s, 6) + " 0 0 " + number_text(-s, 6) + " 0 " +
-                       number_text(mesh.height * s, 4) + " cm\n" + painting.content);
+    pdf_.add_to_stream(number_text(s, 6) + " 0 0 " + number_text(-s, 6) + " 0 " + number_text(height * s, 4) +
+                       " cm\n" + turn_operator(turn, turn.origin(width, height)) + painting.content);
     pdf_.end_stream();
     pdf_.write_object(info, "<</Producer(knotreel)>>");
     pdf_.finish(catalog, info);
@@ -57,6 +60,14 @@ class PdfWriter {
     std::string content;
     std::string resources;
   };
+
+  static std::string turn_operator(const PageTurn& turn, Vec2 origin) {
+    if (turn.is_none()) return {};
+    std::string text;
+    for (const int v : {turn.right_x, turn.right_y, turn.down_x, turn.down_y})
+      text += std::to_string(v) + ' ';
+    return text + number_text(origin.x, 4) + ' ' + number_text(origin.y, 4) + " cm\n";
+  }
 
   static std::string colour_space(std::size_t channels) { return channels == 3 ? "DeviceRGB" : "DeviceGray"; }
 

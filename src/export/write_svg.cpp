@@ -21,12 +21,14 @@ class SvgWriter {
     const bool has_alpha = model_.channels == 2 || model_.channels == 4;
     const auto colours = static_cast<std::size_t>(model_.channels - (has_alpha ? 1 : 0));
     const auto& mesh = model_.space->mesh();
-    const std::string width = number_text(mesh.width, 3);
-    const std::string height = number_text(mesh.height, 3);
+    const PageTurn& turn = options_.turn;
+    const double width = turn.swaps_sides() ? mesh.height : mesh.width;
+    const double height = turn.swaps_sides() ? mesh.width : mesh.height;
     file_.write(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" +
-        number_text(mesh.width * options_.scale, 3) + "\" height=\"" +
-        number_text(mesh.height * options_.scale, 3) + "\" viewBox=\"0 0 " + width + ' ' + height + "\">\n");
+        number_text(width * options_.scale, 3) + "\" height=\"" + number_text(height * options_.scale, 3) +
+        "\" viewBox=\"0 0 " + number_text(width, 3) + ' ' + number_text(height, 3) + "\">\n");
+    if (!turn.is_none()) file_.write(turned_group(turn, turn.origin(width, height)));
     write_outlines();
     if (has_alpha) {
       file_.write(mask_start("alpha"));
@@ -34,11 +36,20 @@ class SvgWriter {
       file_.write("</mask>\n<g mask=\"url(#alpha)\">\n");
     }
     paint(0, colours);
-    file_.write(has_alpha ? "</g>\n</svg>\n" : "</svg>\n");
+    if (has_alpha) file_.write("</g>\n");
+    if (!turn.is_none()) file_.write("</g>\n");
+    file_.write("</svg>\n");
     return {layers_.size(), budget_.spent()};
   }
 
  private:
+  static std::string turned_group(const PageTurn& turn, Vec2 origin) {
+    std::string text = "<g transform=\"matrix(";
+    for (const int v : {turn.right_x, turn.right_y, turn.down_x, turn.down_y})
+      text += std::to_string(v) + ' ';
+    return text + number_text(origin.x, 3) + ' ' + number_text(origin.y, 3) + ")\">\n";
+  }
+
   /// Two approximations share the error: triangles with linear colours, and one direction for all channels.
   static TessellationOptions half(TessellationOptions options) {
     // What is out of range stays so, for Tessellator to refuse.

@@ -1,3 +1,4 @@
+#include <cmath>
 #include <cstdlib>
 
 #include "export_models.h"
@@ -67,6 +68,31 @@ TEST_P(Viewers, DrawGreyAndAlpha) {
   for (const int channels : {1, 2, 4}) {
     const document::FrameModel model = picture_like_model(corpus_case("closed-loop").mesh, 2, channels, 2, 7);
     expect_alike("channels-" + std::to_string(channels), model, 4, GetParam(), kBounds);
+  }
+}
+
+/// What a viewer draws turned is what it draws, turned.
+TEST_P(Viewers, TurnPagesAsTold) {
+  const document::FrameModel model = picture_like_model(corpus_case("three-fold-junction").mesh, 2, 4, 2, 7);
+  const image::Image upright = drawn_by(GetParam(), model, 1);
+  for (const PageTurn turn : {PageTurn{0, 1, -1, 0}, PageTurn{-1, 0, 0, -1}, PageTurn{0, -1, 1, 0},
+                              PageTurn{-1, 0, 0, 1}, PageTurn{0, 1, 1, 0}}) {
+    ExportOptions options;
+    options.turn = turn;
+    const image::Image page = drawn_by(GetParam(), model, 1, options);
+    ASSERT_EQ(page.width, turn.swaps_sides() ? upright.height : upright.width);
+    ASSERT_EQ(page.height, turn.swaps_sides() ? upright.width : upright.height);
+    const Vec2 origin = turn.origin(page.width, page.height);
+    double sum = 0;
+    for (int y = 0; y < upright.height; ++y) {
+      for (int x = 0; x < upright.width; ++x) {
+        const double at_x = origin.x + (x + 0.5) * turn.right_x + (y + 0.5) * turn.down_x;
+        const double at_y = origin.y + (x + 0.5) * turn.right_y + (y + 0.5) * turn.down_y;
+        for (int c = 0; c < upright.colour_channels(); ++c)
+          sum += std::abs(double(page.at(int(at_x), int(at_y), c) - upright.at(x, y, c)));
+      }
+    }
+    EXPECT_LE(sum / double(upright.samples.size()), 1.0) << turn.right_x << turn.right_y;
   }
 }
 
