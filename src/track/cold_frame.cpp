@@ -20,24 +20,25 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
                                            double colour_step, const vectorize::Observer& observer) {
   const Clock::time_point start = Clock::now();
   vectorize::Vectorization made = vectorize::vectorize_picture(picture, options, observer);
-  const auto frame = std::make_shared<ColdFrame>();
-  frame->space = made.model.space;
-  frame->displacement = std::move(made.model.displacement);
-  frame->edge_softness = made.model.edge_softness;
-  frame->colours.control = std::move(made.model.colour);
-  document::round_colours(frame->colours.control, colour_step);
-  frame->milliseconds.emplace_back("cold", milliseconds_since(start));
+  const auto cold = std::make_shared<ColdFrame>();
+  FittedFrame& frame = cold->frame;
+  frame.space = made.model.space;
+  frame.displacement = std::move(made.model.displacement);
+  frame.edge_softness = made.model.edge_softness;
+  frame.colour_step = colour_step;
+  frame.colours.control = std::move(made.model.colour);
+  document::round_colours(frame.colours.control, colour_step);
+  cold->milliseconds.emplace_back("cold", milliseconds_since(start));
   const Clock::time_point fitted = Clock::now();
-  frame->basis = std::move(made.fitted.basis);
-  frame->placed =
-      placed_pixels(picture,
-                    std::make_shared<const spline::PlacedBasis>(frame->basis, picture.width, picture.height,
-                                                                std::move(made.fitted.places)),
-                    made.fitted.crossed, 0);  // it was not fitted to a sharpened picture
-  frame->surface = surface_at(frame->placed, frame->colours.control);
-  frame->colours.residual = residual_of(frame->placed, *frame->surface);
-  frame->milliseconds.emplace_back("measure", milliseconds_since(fitted));
-  return frame;
+  frame.basis = std::move(made.fitted.basis);
+  frame.seen = placed_pixels(picture,
+                             std::make_shared<const spline::PlacedBasis>(
+                                 frame.basis, picture.width, picture.height, std::move(made.fitted.places)),
+                             made.fitted.crossed, 0);  // it was not fitted to a sharpened picture
+  frame.surface = surface_at(frame.seen, frame.colours.control);
+  frame.colours.residual = residual_of(frame.seen, *frame.surface);
+  cold->milliseconds.emplace_back("measure", milliseconds_since(fitted));
+  return cold;
 }
 
 }  // namespace knotreel::track

@@ -35,8 +35,8 @@ std::vector<std::vector<Vec2>> missing(const image::Image& modelled, const image
                                        double most_length = 1000) {
   const vectorize::Options options;
   const auto cold = make_cold_frame(modelled, options, 2);
-  return missing_features(*cold->basis, cold->displacement, cold->placed, picture, misses(picture),
-                          options.detect, most_length);
+  return missing_features(*cold->frame.basis, cold->frame.displacement, cold->frame.seen, picture,
+                          misses(picture), options.detect, most_length);
 }
 
 TEST(Births, AnEdgeThatTheModelLacksIsFound) {

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "knotreel/fit/colour_fit.h"
+#include "knotreel/spline/basis.h"
+#include "knotreel/spline/pixel_surface.h"
+#include "track/placed_pixels.h"
+
+namespace knotreel::track {
+
+/// A frame and the surface that was fitted to it.
+struct FittedFrame {
+  std::shared_ptr<const spline::SplineSpace> space;
+  std::vector<Vec2> displacement;
+  double edge_softness = 0;                             ///< as document::FrameModel
+  double colour_step = 0;                               ///< of the colours, levels
+  std::shared_ptr<const spline::Basis> basis;           ///< of the space
+  PlacedPixels seen;                                    ///< what was fitted
+  fit::ColourFit colours;                               ///< the residual is that of what was seen
+  std::shared_ptr<const spline::PixelSurface> surface;  ///< at what was seen
+
+  /// Of the basis, at the places of what is seen.
+  const spline::PixelValues& values() const { return seen.placed->values(); }
+};
+
+}  // namespace knotreel::track

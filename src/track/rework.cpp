@@ -1,0 +1,153 @@
+#include "track/rework.h"
+
+#include <algorithm>
+#include <numeric>
+#include <utility>
+
+#include "knotreel/base/parallel.h"
+#include "knotreel/fit/descend.h"
+#include "knotreel/fit/knot_gradient.h"
+#include "knotreel/knots/refine.h"
+#include "knotreel/mesh/insert_polylines.h"
+#include "knotreel/track/idle_knots.h"
+#include "track/births.h"
+#include "track/new_knots.h"
+#include "vectorize/feature_budget.h"
+
+namespace knotreel::track {
+
+namespace {
+
+using mesh::EditableMesh;
+using mesh::KnotIndex;
+using mesh::KnotMesh;
+
+constexpr double kLeastShare = 0.25;    // of what features may use, that a group without any may come to
+constexpr double kFunctionsOfKnot = 3;  // about: the least by which a group grows
+constexpr double kBoundLeeway = 0.003;  // of the bound, that new knots leave: links that change need room too
+
+/// Per pixel; 0 where features cross.
+std::vector<float> squared_errors(const FittedFrame& frame) {
+  const auto channels = static_cast<std::size_t>(frame.seen.picture.channels);
+  const std::vector<float>& residual = frame.colours.residual;
+  const std::vector<float>& weights = frame.seen.weights;
+  std::vector<float> squared(residual.size() / channels);
+  const auto width = static_cast<std::size_t>(frame.seen.picture.width);
+  parallel_for(squared.size() / width, [&](std::size_t row) {
+    for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
+      float sum = 0;
+      for (std::size_t c = 0; c < channels; ++c)
+        sum += residual[i * channels + c] * residual[i * channels + c];
+      squared[i] = weights.empty() || weights[i] >= 1 ? sum : 0;
+    }
+  });
+  return squared;
+}
+
+}  // namespace
+
+void Rework::start_group(const FittedFrame& frame) {
+  group_functions_ = frame.space->function_count();
+  group_features_ = feature_length(frame.space->mesh());
+  since_births_ = 0;
+  since_rework_ = options_.rework_interval;
+  has_new_features_ = false;
+  settling_.clear();
+}
+
+bool Rework::take_new_features() {
+  return std::exchange(has_new_features_, false);
+}
+
+KnotMesh Rework::for_next_frame(const ReworkInput& input, double mec, bool urgent, const ReworkLog& log) {
+  grow_group(mec, input.most_functions);
+  ++since_births_;
+  if (++since_rework_ < options_.rework_interval && !urgent) return input.mesh;
+  since_rework_ = 0;
+  return rework(input, urgent, log);
+}
+
+KnotMesh Rework::rework(const ReworkInput& input, bool urgent, const ReworkLog& log) {
+  KnotMesh next = input.mesh;
+  const std::vector<float> errors = squared_errors(input.frame);
+  if (options_.settle) settle(input, errors, urgent, next);
+  log.laps.lap("settle");
+  EditableMesh mesh(next, log.next_id);
+  const double functions_before = vectorize::expected_functions(mesh, cold_.degree);
+  std::vector<KnotIndex> born;
+  if (!urgent) born = add_features(input, errors, mesh, log);
+  log.laps.lap("births");
+  refill(input, errors, urgent, mesh, born,
+         vectorize::expected_functions(mesh, cold_.degree) - functions_before, log);
+  log.laps.lap("refill");
+  return mesh.to_mesh();
+}
+
+void Rework::settle(const ReworkInput& input, std::span<const float> errors, bool urgent, KnotMesh& mesh) {
+  const FittedFrame& frame = input.frame;
+  if (urgent) settling_.wake();
+  std::vector<Vec2> moves = settling_.moves(
+      mesh, fit::knot_gradient(frame.values(), frame.seen.view(), frame.colours, settling_.awake(mesh)),
+      std::accumulate(errors.begin(), errors.end(), 0.0));
+  fit::limit_moves(*frame.space, input.mesh, options_.carry.min_distance, moves);
+  const std::vector<Vec2> moved = fit::moved_positions(mesh, moves);
+  for (std::size_t k = 0; k < moved.size(); ++k) mesh.knots[k].position = moved[k];
+}
+
+/// Features that the model lacks, where ones that got lost since the group began leave room for them.
+/// @return their knots.
+std::vector<KnotIndex> Rework::add_features(const ReworkInput& input, std::span<const float> errors,
+                                            EditableMesh& mesh, const ReworkLog& log) {
+  std::vector<KnotIndex> born;
+  if (!cold_.features || options_.birth_interval < 1 || since_births_ < options_.birth_interval) return born;
+  since_births_ = 0;
+  const FittedFrame& frame = input.frame;
+  const double least = kLeastShare * cold_.feature_share * static_cast<double>(group_functions_);
+  const double room = std::max(least / vectorize::kFunctionsPerFeaturePixel, group_features_) -
+                      feature_length(frame.space->mesh());
+  const auto lines = missing_features(*frame.basis, frame.displacement, frame.seen, input.picture, errors,
+                                      cold_.detect, room, options_.birth);
+  for (const std::vector<KnotIndex>& knots : mesh::insert_polylines(mesh, lines)) {
+    born.insert(born.end(), knots.begin(), knots.end());
+    log.changes.features_born += knots.empty() ? 0 : 1;
+  }
+  has_new_features_ = !born.empty();
+  return born;
+}
+
+/// A group gets more control points while the error is above what is asked for and the bound leaves room:
+/// the content has become harder. A cold frame would have used them.
+void Rework::grow_group(double mec, std::size_t most_functions) {
+  if (options_.growth <= 0 || mec <= options_.grow_above * cold_.mec) return;
+  const double more = std::max(kFunctionsOfKnot, options_.growth * static_cast<double>(group_functions_));
+  const std::size_t grown = group_functions_ + static_cast<std::size_t>(more);
+  group_functions_ = std::max(group_functions_, std::min(grown, most_functions));
+}
+
+/// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.
+void Rework::refill(const ReworkInput& input, std::span<const float> errors, bool urgent, EditableMesh& mesh,
+                    const std::vector<KnotIndex>& born, double born_functions, const ReworkLog& log) const {
+  const FittedFrame& frame = input.frame;
+  const int width = input.picture.width, height = input.picture.height;
+  const double functions = static_cast<double>(frame.space->function_count());
+  const double per_knot = functions / static_cast<double>(frame.space->mesh().knots.size());
+  const double wanted = std::min(static_cast<double>(group_functions_),
+                                 (1 - kBoundLeeway) * static_cast<double>(input.most_functions));
+  const double missing = (wanted - functions - born_functions) / per_knot;
+  const std::size_t removed =
+      remove_idle_knots(mesh, input.target, sorted_face_errors(mesh, errors, width, height),
+                        urgent ? options_.urgent_swap : options_.swap,
+                        born.empty() ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
+  log.changes.swapped += removed;
+  knots::RefineOptions refine;
+  refine.max_knots = static_cast<std::size_t>(std::max(0.0, missing + static_cast<double>(removed)));
+  refine.min_distance = options_.carry.min_distance;
+  std::vector<KnotIndex> fresh =
+      knots::refine_knots(mesh, errors, frame.seen.placed->places(), width, height, refine);
+  log.changes.inserted += fresh.size();
+  fresh.insert(fresh.end(), born.begin(), born.end());
+  log.next_id = mesh.next_id();
+  optimise_new_knots(mesh, fresh, input.target, cold_, options_);
+}
+
+}  // namespace knotreel::track
