@@ -15,6 +15,8 @@ namespace {
 
 /// MPEG-4 part 2 writes the time base in 16 bits.
 constexpr int kMpeg4Ticks = 65535;
+/// Seconds that a frame is repeated for at most: times of damaged files may lead anywhere.
+constexpr double kLongestGap = 600;
 /// libav lists lower ones for MPEG-1 and 2, which are not in the standard, and refuses them.
 constexpr AVRational kLeastMpegRate{24000, 1001};
 
@@ -140,17 +142,34 @@ void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64
   frame->quality = encoder_->global_quality;  // where AV_CODEC_FLAG_QSCALE is looked for
   const AVRational from = to_av(info_.time_base), to = time_base();
   const std::int64_t begin = pts - info_.start;
-  frame->pts = av_rescale_q(begin, from, to);
+  frame->pts = av_rescale_q(begin, from, to) - cut_out_;
   if (last_pts_ != AV_NOPTS_VALUE) frame->pts = std::max(frame->pts, last_pts_ + 1);
-  if (fills_gaps_) repeat_until(frame->pts, receiver);
+  if (fills_gaps_) {
+    cut_gap_before(*frame, warnings);
+    repeat_until(frame->pts, receiver);
+  }
   if (av_compare_ts(frame->pts, to, begin, from) != 0) {
     warnings.count("frames are moved in time, because this output has a fixed rate");
   }
   last_pts_ = frame->pts;
-  last_end_ = std::max(av_rescale_q(begin + duration, from, to), frame->pts);
+  last_end_ = std::max(av_rescale_q(begin + duration, from, to) - cut_out_, frame->pts);
+  if (fills_gaps_) last_end_ = std::min(last_end_, frame->pts + most_repeats());
   durations_[frame->pts] = last_end_ - frame->pts;
   send(frame.get(), receiver);
   if (fills_gaps_) last_.reset(allocated(av_frame_clone(frame.get())));
+}
+
+std::int64_t VideoEncoder::most_repeats() const {
+  return std::max<std::int64_t>(1, std::llround(kLongestGap / av_q2d(time_base())));
+}
+
+void VideoEncoder::cut_gap_before(AVFrame& frame, Warnings& warnings) {
+  if (!last_) return;
+  const std::int64_t excess = frame.pts - last_pts_ - most_repeats();
+  if (excess <= 0) return;
+  cut_out_ += excess;
+  frame.pts -= excess;
+  warnings.count("gaps of more than ten minutes are cut short, because they are filled with frames");
 }
 
 /// The last frame once more at every tick that has gone by since.

@@ -33,6 +33,8 @@ class VideoEncoder {
   void set_colours();
   void set_times(const AVOutputFormat& container);
   void open(const WriteOptions& options);
+  std::int64_t most_repeats() const;
+  void cut_gap_before(AVFrame& frame, Warnings& warnings);
   void repeat_until(std::int64_t pts, const Receiver& receiver);
   void send(AVFrame* frame, const Receiver& receiver);
 
@@ -41,8 +43,9 @@ class VideoEncoder {
   std::map<std::int64_t, std::int64_t> durations_;  // of frames in the encoder, by their time
   std::int64_t last_pts_ = AV_NOPTS_VALUE;
   std::int64_t last_end_ = 0;
-  bool fills_gaps_ = false;  // with repeated frames, where times are not kept and rates are not free
-  FramePtr last_;            // if it fills gaps
+  bool fills_gaps_ = false;   // with repeated frames, where times are not kept and rates are not free
+  FramePtr last_;             // if it fills gaps
+  std::int64_t cut_out_ = 0;  // ticks of gaps that are too long
   bool takes_crf_ = true;
 };
 

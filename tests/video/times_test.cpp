@@ -152,6 +152,21 @@ TEST(Times, AreKeptByRepeatingFramesWhereOnlySomeRatesThereAre) {
             ErrorKind::kInvalidArgument);
 }
 
+TEST(Times, ThatLeadAnywhereDoNotFillTheDisk) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(16, 16, 3, 3);
+  clip.pts = {0, 1, 1LL << 40};
+  clip.durations = {1, 1, 1LL << 40};
+  VideoWriter writer = VideoWriter::create(dir / "a.m1v", clip.info);
+  for (std::size_t i = 0; i < 3; ++i) writer.write(clip.images[i], clip.pts[i], clip.durations[i]);
+  writer.finish();
+  ASSERT_EQ(writer.warnings().size(), 2u);
+  EXPECT_EQ(writer.warnings()[0].find("1 gaps of more than ten minutes are cut short"), 0u);
+  const WholeClip back = read_clip(dir / "a.m1v");
+  EXPECT_EQ(back.frames.size(), 1u + 15000 + 15000);
+  EXPECT_LE(mean_difference(back.frames.back().image, clip.images[2]), 8);
+}
+
 TEST(Times, OfMpegTransportStartAtZeroAgain) {
   const TempDir dir;
   write_clip(dir / "a.ts", moving_pattern(64, 48, 3, 5));
