@@ -57,6 +57,10 @@ constexpr const char* kX264Preset = "faster";
 /// wide; pictures of a row or a column come back black.
 constexpr int kSmallForSlices = 16;
 
+constexpr double kScale = 2;  ///< of set_scale(), if nothing is said: as good as it gets but for the size
+/// Theora's own scale goes up to the best; ours is what is missing to it.
+constexpr double kMostTheoraQuality = 10;
+
 /// Encoders of libav with a scale of quantisers, from 1 to 31; without one they would go for 200 kbit/s.
 bool is_scaled(const std::string& encoder) {
   static constexpr std::array kScaled = {"mpeg1video", "mpeg2video", "mpeg4", "mjpeg", "amv",  "msmpeg4",
@@ -64,14 +68,11 @@ bool is_scaled(const std::string& encoder) {
                                          "h263p",      "rv10",       "rv20",  "snow",  "svq1", "libxvid"};
   return std::find(kScaled.begin(), kScaled.end(), encoder) != kScaled.end();
 }
+
 void set_scale(AVCodecContext& encoder, double value) {
   encoder.flags |= AV_CODEC_FLAG_QSCALE;
   encoder.global_quality = static_cast<int>(value * FF_QP2LAMBDA);
 }
-
-constexpr double kScale = 2;
-/// Theora's own scale goes up to the best; ours is what is missing to it.
-constexpr double kMostTheoraQuality = 10;
 
 bool lossless_rgb(const AVCodec& encoder) {
   return encoder.id == AV_CODEC_ID_FFV1 || encoder.id == AV_CODEC_ID_RAWVIDEO;
