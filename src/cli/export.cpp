@@ -55,8 +55,7 @@ void export_frame(const Arguments& arguments) {
 
   document::Reader reader = open_document(arguments.input);
   const document::FrameModel model = read_frame(reader, arguments.frame);
-  const video::Turn turn = turn_of(reader);
-  options.turn = {turn.right_x, turn.right_y, turn.down_x, turn.down_y};
+  options.turn = turn_of(reader);
   OutputFile file(arguments.output);
   if (format == "pdf") {
     write_pdf(model, options, file);

@@ -33,7 +33,7 @@ class VideoFrames : public FrameSource {
   }
 
   video::VideoReader reader_;
-  video::Turn turn_;
+  Turn turn_;
 };
 
 class DocumentFrames : public FrameSource {
@@ -49,7 +49,7 @@ class DocumentFrames : public FrameSource {
 
  private:
   document::Reader reader_;
-  video::Turn turn_;
+  Turn turn_;
   std::size_t next_ = 0;
 };
 

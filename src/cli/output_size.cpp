@@ -23,13 +23,13 @@ Size given_size(const std::string& text) {
   return size;
 }
 
-Size with_sides(Size size, const video::Turn& turn) {
+Size with_sides(Size size, const Turn& turn) {
   return turn.swaps_sides() ? Size{size.height, size.width} : size;
 }
 
 }  // namespace
 
-Size output_size(double scale, const std::string& size, int width, int height, const video::Turn& turn) {
+Size output_size(double scale, const std::string& size, int width, int height, const Turn& turn) {
   if (!size.empty()) return with_sides(given_size(size), turn);
   if (!std::isfinite(scale) || scale <= 0) refuse("--scale takes a number above 0");
   const double scaled_width = std::max(1.0, std::round(width * scale));
@@ -40,7 +40,7 @@ Size output_size(double scale, const std::string& size, int width, int height, c
   return {static_cast<int>(scaled_width), static_cast<int>(scaled_height)};
 }
 
-Rect parse_crop(const std::string& text, Size whole, const video::Turn& turn) {
+Rect parse_crop(const std::string& text, Size whole, const Turn& turn) {
   const Rect crop = parse_rect("--crop", text);
   const Size shown = with_sides(whole, turn);
   if (crop.x > shown.width - crop.width || crop.y > shown.height - crop.height) {

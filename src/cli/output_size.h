@@ -11,11 +11,11 @@ namespace knotreel::cli {
 /// @param width, height of what is drawn, in pixels.
 /// @param turn  that players show it with: --size is of the picture as shown, the result of that as drawn.
 /// @throws Error{kInvalidArgument} for more than a million pixels on a side.
-Size output_size(double scale, const std::string& size, int width, int height, const video::Turn& turn = {});
+Size output_size(double scale, const std::string& size, int width, int height, const Turn& turn = {});
 
 /// What --crop asks for, in the picture as shown; the result is a part of that as drawn.
 /// @throws Error{kInvalidArgument} unless it is inside the whole picture.
 /// @param whole as drawn.
-Rect parse_crop(const std::string& text, Size whole, const video::Turn& turn = {});
+Rect parse_crop(const std::string& text, Size whole, const Turn& turn = {});
 
 }  // namespace knotreel::cli

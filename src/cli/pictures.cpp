@@ -45,7 +45,7 @@ document::Reader open_document(const std::filesystem::path& path) {
   return document::Reader::open(read_whole(path, kMaxPipedBytes, "document"), "standard input");
 }
 
-video::Turn turn_of(const document::Reader& reader) {
+Turn turn_of(const document::Reader& reader) {
   return video::turn_of(pipeline::stream_info(reader.info()));
 }
 

@@ -21,7 +21,7 @@ bool is_picture(const std::filesystem::path& path);
 document::Reader open_document(const std::filesystem::path& path);
 
 /// How players show the video that a document comes from.
-video::Turn turn_of(const document::Reader& reader);
+Turn turn_of(const document::Reader& reader);
 
 /// Reads one frame. @throws Error{kInvalidArgument} if there is no such frame.
 document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame);

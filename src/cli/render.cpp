@@ -35,7 +35,7 @@ struct Arguments {
 
 /// Size and crop, checked before anything is allocated for them.
 raster::RenderOptions render_options(const Arguments& arguments, const document::SequenceInfo& info,
-                                     const video::Turn& turn) {
+                                     const Turn& turn) {
   const Size whole = output_size(arguments.scale, arguments.size, info.width, info.height, turn);
   raster::RenderOptions options;
   options.width = whole.width;
@@ -57,8 +57,8 @@ raster::RenderOptions render_options(const Arguments& arguments, const document:
 }
 
 /// The last row may come first, so the whole picture is held in memory.
-void write_turned(const raster::Renderer& renderer, const video::Turn& turn,
-                  const image::Background& background, image::RowWriter& writer) {
+void write_turned(const raster::Renderer& renderer, const Turn& turn, const image::Background& background,
+                  image::RowWriter& writer) {
   if (std::uint64_t(renderer.width()) * std::uint64_t(renderer.height()) > kMaxTurnedPixels) {
     refuse("a video that is shown turned cannot give more than " + std::to_string(kMaxTurnedPixels) +
            " pixels; use --crop");
@@ -82,7 +82,7 @@ void render_picture(const Arguments& arguments) {
   }
 
   document::Reader reader = open_document(arguments.input);
-  const video::Turn turn = turn_of(reader);
+  const Turn turn = turn_of(reader);
   const raster::RenderOptions options = render_options(arguments, reader.info(), turn);
   const raster::Renderer renderer(read_frame(reader, arguments.frame), options);
   spec.width = turn.swaps_sides() ? renderer.height() : renderer.width();

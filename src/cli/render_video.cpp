@@ -47,7 +47,7 @@ pipeline::RenderJob make_job(const RenderVideo& arguments, document::Reader& rea
   if (!arguments.frames.empty()) parse_frames(arguments.frames, job);
   if (!arguments.fps.empty()) job.rate = parse_rate("--fps", arguments.fps);
   const document::SequenceInfo& info = reader.info();
-  const video::Turn turn = turn_of(reader);
+  const Turn turn = turn_of(reader);
   const Size size = output_size(arguments.scale, arguments.size, info.width, info.height, turn);
   job.video.path = arguments.output;
   job.video.options = write_options(arguments.encoding, arguments.format, arguments.threads);

@@ -10,7 +10,7 @@ namespace {
 
 constexpr int kWidest = 1920;  // pixels, unless the input is wider than a third of that
 
-image::Image shown(const debug::Canvas& canvas, const video::Turn& turn) {
+image::Image shown(const debug::Canvas& canvas, const Turn& turn) {
   const std::span<const std::uint8_t> rgb = canvas.rgb();
   return video::turned({canvas.width(), canvas.height(), 3, {rgb.begin(), rgb.end()}}, turn);
 }
@@ -33,8 +33,7 @@ image::Image enlarged_model(const document::FrameModel& model, int scale) {
 
 }  // namespace
 
-image::Image side_by_side(const image::Image& picture, const document::FrameModel& model,
-                          const video::Turn& turn) {
+image::Image side_by_side(const image::Image& picture, const document::FrameModel& model, const Turn& turn) {
   const int wide = turn.swaps_sides() ? picture.height : picture.width;
   const int scale = std::clamp(kWidest / (3 * wide), 1, debug::debug_scale(picture.width, picture.height));
   const image::Image original = shown(debug::enlarged_by(scale, picture), turn);

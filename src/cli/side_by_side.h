@@ -8,7 +8,6 @@ namespace knotreel::cli {
 /// A picture of a frame, its model drawn larger, and the knot mesh over the frame, from left to right; each
 /// enlarged as long as all three fit into an ordinary screen.
 /// @param turn with which players show the video; the three are turned.
-image::Image side_by_side(const image::Image& picture, const document::FrameModel& model,
-                          const video::Turn& turn);
+image::Image side_by_side(const image::Image& picture, const document::FrameModel& model, const Turn& turn);
 
 }  // namespace knotreel::cli

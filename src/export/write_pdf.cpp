@@ -34,7 +34,7 @@ class PdfWriter {
     Painting painting = paint(0, colours);
     if (has_alpha) painting = masked(painting, paint(colours, 1));
     const auto& mesh = model_.space->mesh();
-    const PageTurn& turn = options_.turn;
+    const Turn& turn = options_.turn;
     const double width = turn.swaps_sides() ? mesh.height : mesh.width;
     const double height = turn.swaps_sides() ? mesh.width : mesh.height;
     const double s = options_.scale;
@@ -61,7 +61,7 @@ class PdfWriter {
     std::string resources;
   };
 
-  static std::string turn_operator(const PageTurn& turn, Vec2 origin) {
+  static std::string turn_operator(const Turn& turn, Vec2 origin) {
     if (turn.is_none()) return {};
     std::string text;
     for (const int v : {turn.right_x, turn.right_y, turn.down_x, turn.down_y})

@@ -21,7 +21,7 @@ class SvgWriter {
     const bool has_alpha = model_.channels == 2 || model_.channels == 4;
     const auto colours = static_cast<std::size_t>(model_.channels - (has_alpha ? 1 : 0));
     const auto& mesh = model_.space->mesh();
-    const PageTurn& turn = options_.turn;
+    const Turn& turn = options_.turn;
     const double width = turn.swaps_sides() ? mesh.height : mesh.width;
     const double height = turn.swaps_sides() ? mesh.width : mesh.height;
     file_.write(
@@ -43,7 +43,7 @@ class SvgWriter {
   }
 
  private:
-  static std::string turned_group(const PageTurn& turn, Vec2 origin) {
+  static std::string turned_group(const Turn& turn, Vec2 origin) {
     std::string text = "<g transform=\"matrix(";
     for (const int v : {turn.right_x, turn.right_y, turn.down_x, turn.down_y})
       text += std::to_string(v) + ' ';

@@ -31,8 +31,8 @@ image::Image turned(const image::Image& image, const Turn& turn) {
   const int height = turn.swaps_sides() ? image.width : image.height;
   image::Image result = image::make_image(width, height, image.channels);
   // Where the first pixel goes: steps that lead back begin at the far side.
-  const int left = turn.right_x < 0 || turn.down_x < 0 ? width - 1 : 0;
-  const int top = turn.right_y < 0 || turn.down_y < 0 ? height - 1 : 0;
+  const Vec2 first = turn.origin(width - 1, height - 1);
+  const int left = static_cast<int>(first.x), top = static_cast<int>(first.y);
   const auto channels = static_cast<std::size_t>(image.channels);
   for (int y = 0; y < image.height; ++y) {
     const float* from = image.row(y).data();

@@ -75,8 +75,8 @@ TEST_P(Viewers, DrawGreyAndAlpha) {
 TEST_P(Viewers, TurnPagesAsTold) {
   const document::FrameModel model = picture_like_model(corpus_case("three-fold-junction").mesh, 2, 4, 2, 7);
   const image::Image upright = drawn_by(GetParam(), model, 1);
-  for (const PageTurn turn : {PageTurn{0, 1, -1, 0}, PageTurn{-1, 0, 0, -1}, PageTurn{0, -1, 1, 0},
-                              PageTurn{-1, 0, 0, 1}, PageTurn{0, 1, 1, 0}}) {
+  for (const Turn turn :
+       {Turn{0, 1, -1, 0}, Turn{-1, 0, 0, -1}, Turn{0, -1, 1, 0}, Turn{-1, 0, 0, 1}, Turn{0, 1, 1, 0}}) {
     ExportOptions options;
     options.turn = turn;
     const image::Image page = drawn_by(GetParam(), model, 1, options);
