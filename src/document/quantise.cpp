@@ -62,7 +62,7 @@ KnotGrid quantise_knots(CanonicalMesh& numbering, int least_bits) {
   for (int bits = least_bits; bits <= kMaxKnotBits; ++bits) {
     const KnotGrid grid = snap(mesh, bits);
     set_positions(mesh, grid);
-    if ((defect = mesh::find_defect(mesh))) {
+    if ((defect = mesh::find_geometric_defect(mesh))) {
       mesh.knots = before;
       continue;
     }

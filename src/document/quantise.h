@@ -7,7 +7,7 @@
 namespace knotreel::document {
 
 /// Knots on the coarsest grid from `least_bits` on that leaves the mesh sound; rewrites the positions in
-/// `numbering.mesh`. Quantising the outcome again changes nothing.
+/// `numbering.mesh`, which has no topological defect. Quantising the outcome again changes nothing.
 /// @throws Error{kInvalidArgument} if no grid up to kMaxKnotBits does.
 KnotGrid quantise_knots(CanonicalMesh& numbering, int least_bits);
 

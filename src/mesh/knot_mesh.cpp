@@ -224,11 +224,23 @@ Defect find_position_defect(const KnotMesh& mesh) {
 }
 
 /// Every border edge runs along one side of the domain, with the inside on its left.
-Defect find_border_defect(const KnotMesh& mesh, const HalfEdges& half_edges) {
-  for (std::uint32_t e = 0; e < half_edges.opposite.size(); ++e) {
-    if (half_edges.opposite[e] != kNoHalfEdge) continue;
-    const Vec2 a = mesh.knots[origin(mesh.faces, e)].position;
-    const Vec2 b = mesh.knots[target(mesh.faces, e)].position;
+Defect find_border_defect(const KnotMesh& mesh) {
+  const auto may_be_outside = [&](KnotIndex k) {
+    return mesh.knots[k].kind == KnotKind::kBorder || mesh.knots[k].kind == KnotKind::kVertex;
+  };
+  std::vector<std::pair<KnotIndex, KnotIndex>> edges;
+  for (const Face& f : mesh.faces) {
+    for (std::size_t i = 0; i < 3; ++i) {
+      const KnotIndex from = f[i];
+      const KnotIndex to = f[(i + 1) % 3];
+      if (may_be_outside(from) && may_be_outside(to)) edges.emplace_back(from, to);
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  for (const auto& [from, to] : edges) {
+    if (std::binary_search(edges.begin(), edges.end(), std::pair(to, from))) continue;
+    const Vec2 a = mesh.knots[from].position;
+    const Vec2 b = mesh.knots[to].position;
     const bool along =
         (a.y == 0 && b.y == 0 && b.x > a.x) || (a.x == mesh.width && b.x == mesh.width && b.y > a.y) ||
         (a.y == mesh.height && b.y == mesh.height && b.x < a.x) || (a.x == 0 && b.x == 0 && b.y < a.y);
@@ -263,30 +275,27 @@ Defect find_face_defect(const KnotMesh& mesh) {
   return std::nullopt;
 }
 
-/// @param half_edges of the mesh, set as far as its indices are sound.
-Defect find_topological_defect(const KnotMesh& mesh, std::optional<HalfEdges>& half_edges) {
+}  // namespace
+
+std::optional<std::string> find_topological_defect(const KnotMesh& mesh) {
   if (Defect d = find_index_defect(mesh)) return d;
   const std::vector<std::uint32_t> order = sorted_half_edges(mesh.faces);
-  half_edges = connect_half_edges(mesh.faces, order);
+  const std::optional<HalfEdges> half_edges = connect_half_edges(mesh.faces, order);
   if (!half_edges) return "an edge has more than two faces, or faces turn different ways";
   if (Defect d = find_surface_defect(mesh, *half_edges)) return d;
   return find_segment_defect(mesh, *half_edges, order);
 }
 
-}  // namespace
-
-std::optional<std::string> find_topological_defect(const KnotMesh& mesh) {
-  std::optional<HalfEdges> half_edges;
-  return find_topological_defect(mesh, half_edges);
+std::optional<std::string> find_geometric_defect(const KnotMesh& mesh) {
+  if (Defect d = find_position_defect(mesh)) return d;
+  if (Defect d = find_border_defect(mesh)) return d;
+  return find_face_defect(mesh);
 }
 
 std::optional<std::string> find_defect(const KnotMesh& mesh) {
-  std::optional<HalfEdges> half_edges;
-  if (Defect d = find_topological_defect(mesh, half_edges)) return d;
+  if (Defect d = find_topological_defect(mesh)) return d;
   if (Defect d = find_id_defect(mesh)) return d;
-  if (Defect d = find_position_defect(mesh)) return d;
-  if (Defect d = find_border_defect(mesh, *half_edges)) return d;
-  return find_face_defect(mesh);
+  return find_geometric_defect(mesh);
 }
 
 }  // namespace knotreel::mesh

@@ -66,4 +66,8 @@ std::optional<std::string> find_defect(const KnotMesh& mesh);
 /// A reader of documents calls this before it trusts a topology.
 std::optional<std::string> find_topological_defect(const KnotMesh& mesh);
 
+/// The other half but for the ids: what can go wrong when the knots of a mesh move. @param mesh without
+/// topological defect.
+std::optional<std::string> find_geometric_defect(const KnotMesh& mesh);
+
 }  // namespace knotreel::mesh
