@@ -4,6 +4,8 @@
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/motion/flow.h"
+#include "knotreel/motion/unchanged.h"
+#include "motion/changed_boxes.h"
 #include "motion/check_sizes.h"
 
 namespace knotreel::motion {
@@ -44,6 +46,56 @@ cv::Mat large_enough(const Luma& luma) {
   return larger;
 }
 
+// Around what has changed, pixels: motion is looked for in the outer margin and taken from the inner one.
+constexpr int kMargin = 48;
+constexpr int kInnerMargin = 24;
+constexpr double kMostSearched = 0.7;  // share of the pixels, from which on parts save nothing
+
+Luma part_of(const Luma& luma, const PixelBox& box) {
+  Luma part{box.width(), box.height(), {}};
+  part.v.reserve(std::size_t(part.width) * std::size_t(part.height));
+  for (int y = box.top; y < box.bottom; ++y) {
+    const auto row = luma.v.begin() + std::ptrdiff_t{y} * luma.width;
+    part.v.insert(part.v.end(), row + box.left, row + box.right);
+  }
+  return part;
+}
+
+FlowPair no_motion(int width, int height) {
+  const std::size_t pixels = std::size_t(width) * std::size_t(height);
+  FlowPair still;
+  for (Flow* flow : {&still.forward, &still.backward})
+    *flow = {width, height, std::vector<float>(2 * pixels)};
+  still.consistent.assign(pixels, 1);
+  still.consistent_back.assign(pixels, 1);
+  return still;
+}
+
+/// Copies what was found in a box, but for its margin where it does not end at the picture's.
+void paste(const FlowPair& part, const PixelBox& box, FlowPair& all) {
+  const int width = all.forward.width;
+  const int height = all.forward.height;
+  constexpr int kCut = kMargin - kInnerMargin;
+  const int left = box.left == 0 ? 0 : box.left + kCut;
+  const int right = box.right == width ? width : box.right - kCut;
+  const int top = box.top == 0 ? 0 : box.top + kCut;
+  const int bottom = box.bottom == height ? height : box.bottom - kCut;
+  const auto count = std::size_t(right - left);
+  for (int y = top; y < bottom; ++y) {
+    const std::size_t from =
+        std::size_t(y - box.top) * std::size_t(box.width()) + std::size_t(left - box.left);
+    const std::size_t to = std::size_t(y) * std::size_t(width) + std::size_t(left);
+    const auto copy = [&](const auto& source, auto& target, std::size_t size) {
+      std::copy_n(source.begin() + std::ptrdiff_t(size * from), size * count,
+                  target.begin() + std::ptrdiff_t(size * to));
+    };
+    copy(part.forward.xy, all.forward.xy, 2);
+    copy(part.backward.xy, all.backward.xy, 2);
+    copy(part.consistent, all.consistent, 1);
+    copy(part.consistent_back, all.consistent_back, 1);
+  }
+}
+
 }  // namespace
 
 Flow find_flow(const Luma& from, const Luma& to, const FlowOptions& options) {
@@ -78,6 +130,19 @@ FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& opt
       options.turn_back ? turn_round(pair.forward, pair.backward) : consistent(pair.backward, pair.forward);
   pair.consistent = consistent(pair.forward, pair.backward);
   return pair;
+}
+
+FlowPair find_flow_pair(const Luma& from, const Luma& to, std::span<const std::uint8_t> unchanged,
+                        const FlowOptions& options) {
+  check_sizes(from, to);
+  const std::vector<PixelBox> boxes = changed_boxes(unchanged, from.width, from.height, kMargin);
+  double searched = 0;
+  for (const PixelBox& box : boxes) searched += static_cast<double>(box.width()) * box.height();
+  if (searched > kMostSearched * double(from.v.size())) return find_flow_pair(from, to, options);
+  FlowPair result = no_motion(from.width, from.height);
+  for (const PixelBox& box : boxes)
+    paste(find_flow_pair(part_of(from, box), part_of(to, box), options), box, result);
+  return result;
 }
 
 }  // namespace knotreel::motion

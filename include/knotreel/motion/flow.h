@@ -76,6 +76,13 @@ struct FlowPair {
 /// @throws as find_flow().
 FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& options = {});
 
+/// The same for pictures of which parts are equal: looked for around what has changed only, and elsewhere
+/// nothing moves. Where next to all has changed, as find_flow_pair() above.
+/// @param unchanged of unchanged_cells() for the two pictures.
+/// @throws Error{kInvalidArgument} if sizes differ.
+FlowPair find_flow_pair(const Luma& from, const Luma& to, std::span<const std::uint8_t> unchanged,
+                        const FlowOptions& options = {});
+
 /// Largest distance in pixels, along either axis, at which point_motion() looks for pixels to learn from.
 inline constexpr int kMotionReach = 32;
 
