@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 #include <span>
 #include <type_traits>
 
@@ -208,11 +209,29 @@ Target::Target(image::Image image, std::vector<float> weights)
     const std::size_t row_size = (width + 1) * Layout<channels, weighted>::kStride;
     constexpr std::size_t kPerLine = sizeof(Line) / sizeof(double);
     prefix_ = std::make_unique_for_overwrite<Line[]>((height * row_size + kPerLine - 1) / kPerLine);
-    parallel_for(height, [&](std::size_t y) {
-      const float* row_weights = weighted ? weights_.data() + y * width : nullptr;
-      add_up<channels, weighted>(image_.row(static_cast<int>(y)), row_weights,
-                                 prefix_.get()->data() + y * row_size);
-    });
+  });
+  parallel_for(height, [&](std::size_t y) { add_up_row(y); });
+}
+
+void Target::add_up_row(std::size_t y) {
+  const auto width = static_cast<std::size_t>(image_.width);
+  by_kind(image_.channels, !weights_.empty(), [&](auto channels, auto weighted) {
+    const std::size_t row_size = (width + 1) * Layout<channels, weighted>::kStride;
+    const float* row_weights = weighted ? weights_.data() + y * width : nullptr;
+    add_up<channels, weighted>(image_.row(static_cast<int>(y)), row_weights,
+                               prefix_.get()->data() + y * row_size);
+  });
+}
+
+void Target::change_to(const image::Image& image) {
+  if (image.width != image_.width || image.height != image_.height || image.channels != image_.channels)
+    throw Error(ErrorKind::kInvalidArgument, "a picture has another size than the one before");
+  parallel_for(static_cast<std::size_t>(image_.height), [&](std::size_t y) {
+    const auto now = image.row(static_cast<int>(y));
+    const auto here = image_.row(static_cast<int>(y));
+    if (std::memcmp(now.data(), here.data(), now.size_bytes()) == 0) return;
+    std::copy(now.begin(), now.end(), here.begin());
+    add_up_row(y);
   });
 }
 

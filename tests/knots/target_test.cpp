@@ -312,6 +312,28 @@ TEST(Target, SquaredErrorIsThatOfTheFit) {
   EXPECT_NEAR(target.squared_error(fit, {4, 2}, {15, 22, 1000, 1000}), 1 + 16, 1e-12);
 }
 
+TEST(Target, ChangesToAnotherPictureAsIfMadeAnew) {
+  Triangles triangles(30, 20, kSeed);
+  for (const bool weighted : {false, true}) {
+    const std::vector<float> weights = weighted ? random_weights(600, kSeed) : std::vector<float>{};
+    const image::Image before = test::random_picture(30, 20, 3, 1);
+    image::Image now = before;
+    for (int y = 5; y < 9; ++y) std::ranges::fill(now.row(y), static_cast<float>(y));
+    Target target(before, weights);
+    target.change_to(now);
+    const Target anew(now, weights);
+    EXPECT_EQ(target.image().samples, now.samples);
+    for (int n = 0; n < 200; ++n) {
+      const Triangle t = triangles.next();
+      ASSERT_EQ(target.error(t), anew.error(t));
+      ASSERT_EQ(target.moments(t).c, anew.moments(t).c);
+    }
+  }
+  Target target(test::random_picture(30, 20, 3, 1), {});
+  EXPECT_THROW(target.change_to(test::random_picture(30, 21, 3, 1)), Error);
+  EXPECT_THROW(target.change_to(test::random_picture(30, 20, 1, 1)), Error);
+}
+
 TEST(Target, RefusesWeightsOfAnotherSize) {
   EXPECT_THROW(Target(test::random_picture(4, 4, 1, 1), std::vector<float>(15)), Error);
 }

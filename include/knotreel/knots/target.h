@@ -35,13 +35,17 @@ struct LinearFit {
 
 /// A picture over the parametric domain with a weight per pixel, ready for sums over triangles: prefix sums
 /// along its rows make the cost of a sum proportional to the height of the triangle, not to its area.
-/// Immutable and thread safe. Memory: up to 4 + 2 * channels doubles per pixel besides
+/// Thread safe but for change_to(). Memory: up to 4 + 2 * channels doubles per pixel besides
 /// the picture; 8 for three channels with weights of 1.
 class Target {
  public:
   /// @param weights one per pixel, 0 or more; empty: all 1.
   /// @throws Error{kInvalidArgument} if the sizes disagree.
   Target(image::Image image, std::vector<float> weights);
+
+  /// Makes it the target of another picture with the same weights: as one that is made anew, but rows of
+  /// pixels that are equal cost next to nothing. @throws Error{kInvalidArgument} if sizes or channels differ.
+  void change_to(const image::Image& image);
 
   const image::Image& image() const { return image_; }
   int channels() const { return image_.channels; }
@@ -85,6 +89,7 @@ class Target {
   void for_pixels(const std::array<Vec2, 3>& triangle, Visit&& visit) const;
 
  private:
+  void add_up_row(std::size_t y);
   std::size_t pixel(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(x);
   }
