@@ -47,21 +47,24 @@ class TileIndex {
     std::uint32_t number;  ///< of the function among those of the tile
   };
 
-  explicit TileIndex(const PixelValues& values) : begin_(values.basis().space().function_count() + 1, 0) {
+  TileIndex(const PixelValues& values, const Sought& sought)
+      : begin_(values.basis().space().function_count() + 1, 0) {
     for (std::size_t t = 0; t < values.tile_count(); ++t) {
-      for (const FunctionIndex f : values.functions(t)) ++begin_[f + 1];
+      for (const FunctionIndex f : values.functions(t)) begin_[f + 1] += sought.has(f) ? 1 : 0;
     }
     std::partial_sum(begin_.begin(), begin_.end(), begin_.begin());
     places_.resize(begin_.back());
     std::vector<std::size_t> end(begin_.begin(), begin_.end() - 1);
     for (std::size_t t = 0; t < values.tile_count(); ++t) {
       std::uint32_t number = 0;
-      for (const FunctionIndex f : values.functions(t))
-        places_[end[f]++] = {static_cast<std::uint32_t>(t), number++};
+      for (const FunctionIndex f : values.functions(t)) {
+        if (sought.has(f)) places_[end[f]++] = {static_cast<std::uint32_t>(t), number};
+        ++number;
+      }
     }
   }
 
-  /// From top to bottom, from left to right.
+  /// Of an unknown function, from top to bottom, from left to right.
   std::span<const Place> places(FunctionIndex f) const {
     return std::span(places_).subspan(begin_[f], begin_[f + 1] - begin_[f]);
   }
@@ -168,7 +171,8 @@ void multiply(const Value* values, const Value* weighted, std::size_t count, Val
 template <class Value>
 class TileSums {
  public:
-  TileSums(const PixelValues& values, const image::Image& target, std::span<const float> weights)
+  TileSums(const PixelValues& values, const image::Image& target, std::span<const float> weights,
+           const Sought& sought)
       : product_begin_(values.tile_count() + 1, 0), right_begin_(values.tile_count() + 1, 0) {
     for (std::size_t t = 0; t < values.tile_count(); ++t) {
       const std::size_t n = values.functions(t).size();
@@ -181,7 +185,11 @@ class TileSums {
     parallel_for((values.tile_count() + kTiles - 1) / kTiles, [&](std::size_t block) {
       thread_local Scratch scratch;
       for (std::size_t t = block * kTiles; t < std::min(values.tile_count(), (block + 1) * kTiles); ++t) {
-        if (!values.functions(t).empty()) add(values, t, target, weights, scratch);
+        const auto functions = values.functions(t);
+        const auto known = std::count_if(functions.begin(), functions.end(),
+                                         [&](FunctionIndex f) { return !sought.has(f); });
+        if (static_cast<std::size_t>(known) == functions.size()) continue;
+        add(values, t, target, weights, known > 0 ? &sought : nullptr, scratch);
       }
     });
   }
@@ -200,13 +208,14 @@ class TileSums {
   };
 
   void add(const PixelValues& all, std::size_t t, const image::Image& target, std::span<const float> weights,
-           Scratch& scratch) {
+           const Sought* sought, Scratch& scratch) {
     const std::size_t count = all.functions(t).size();
     scratch.values.resize(padded(count) * kTilePixels);
     all.evaluate(t, scratch.values.data());
     std::fill(scratch.values.begin() + static_cast<std::ptrdiff_t>(count * kTilePixels), scratch.values.end(),
               Value{0});
-    const TilePixels<Value> pixels = pixels_of<Value>(target, weights, all, t);
+    TilePixels<Value> pixels = pixels_of<Value>(target, weights, all, t);
+    if (sought) take_off_known(*sought, all.functions(t), target.channels, scratch.values, pixels);
     const Value* right = scratch.values.data();
     if (pixels.weighted) {
       scratch.weighted.resize(scratch.values.size());
@@ -223,6 +232,19 @@ class TileSums {
     }
   }
 
+  static void take_off_known(const Sought& sought, std::span<const FunctionIndex> functions, int channels,
+                             const std::vector<Value>& values, TilePixels<Value>& pixels) {
+    const auto count = static_cast<std::size_t>(channels);
+    for (std::size_t i = 0; i < functions.size(); ++i) {
+      if (sought.has(functions[i])) continue;
+      for (std::size_t c = 0; c < count; ++c) {
+        const auto point = static_cast<Value>(sought.known[functions[i] * count + c]);
+        for (std::size_t p = 0; p < kTilePixels; ++p)
+          pixels.samples[c * kTilePixels + p] -= point * values[i * kTilePixels + p];
+      }
+    }
+  }
+
   std::vector<std::size_t> product_begin_;
   std::vector<std::size_t> right_begin_;
   std::unique_ptr<Value[]> products_;  ///< not vectors, which would be zeroed first
@@ -230,7 +252,7 @@ class TileSums {
 };
 
 struct Entry {
-  FunctionIndex column;
+  std::uint32_t column;  ///< number of an unknown
   double value;
 };
 
@@ -247,14 +269,15 @@ class RowSum {
  public:
   explicit RowSum(std::size_t functions) : slots_(functions, {spline::kNoFunction, 0}), row_(functions) {}
 
-  /// Appends the lower half of row f: the diagonal, and what is not 0 before it, in any order.
+  /// Appends the lower half of the row of an unknown function: the diagonal, and what is not 0 before it, in
+  /// any order.
   template <class Value>
   void add(FunctionIndex f, const PixelValues& values, const TileIndex& index, const TileSums<Value>& sums,
-           Rows& rows) {
+           const Sought& sought, Rows& rows) {
     Slot* const slots = slots_.data();
     Entry* const row = row_.data();
     std::uint32_t count = 1;
-    row[0] = {f, 0.0};
+    row[0] = {sought.number_of[f], 0.0};
     slots[f] = {f, 0};
     for (const TileIndex::Place place : index.places(f)) {
       const auto functions = values.functions(place.tile);
@@ -263,14 +286,16 @@ class RowSum {
       for (const FunctionIndex g : functions.first(place.number + 1)) {
         if (slots[g].row != f) {
           slots[g] = {f, count};
-          row[count++] = {g, 0.0};
+          row[count++] = {sought.number_of[g], 0.0};
         }
         row[slots[g].at].value += static_cast<double>(*product);
         product += to_next--;
       }
     }
     std::copy_if(row, row + count, std::back_inserter(rows.entries),
-                 [f](const Entry& e) { return e.value != 0 || e.column == f; });
+                 [self = sought.number_of[f]](const Entry& e) {
+                   return e.column == self || (e.value != 0 && e.column != Sought::kKnown);
+                 });
     rows.ends.push_back(rows.entries.size());
   }
 
@@ -285,9 +310,9 @@ class RowSum {
 };
 
 /// By columns, with ascending rows. @param blocks of rows, in order.
-Eigen::SparseMatrix<double> to_matrix(const std::vector<Rows>& blocks, std::size_t functions) {
-  const auto n = static_cast<Eigen::Index>(functions);
-  std::vector<int> end(functions + 1, 0);
+Eigen::SparseMatrix<double> to_matrix(const std::vector<Rows>& blocks, std::size_t sought) {
+  const auto n = static_cast<Eigen::Index>(sought);
+  std::vector<int> end(sought + 1, 0);
   for (const Rows& block : blocks) {
     for (const Entry& e : block.entries) ++end[e.column + 1];
   }
@@ -312,48 +337,63 @@ Eigen::SparseMatrix<double> to_matrix(const std::vector<Rows>& blocks, std::size
 
 template <class Value>
 NormalEquations assemble_in(const PixelValues& values, const image::Image& target,
-                            std::span<const float> weights) {
+                            std::span<const float> weights, const Sought& sought) {
   const auto& mesh = values.basis().space().mesh();
   if (target.width != values.width() || target.height != values.height() ||
       std::fmod(mesh.width, target.width) != 0 || std::fmod(mesh.height, target.height) != 0)
     throw Error(ErrorKind::kInvalidArgument, "a fit needs a knot mesh of the size of the picture");
   const std::size_t functions = values.basis().space().function_count();
+  const std::size_t count = sought.functions.size();
   NormalEquations normal;
-  normal.right.setZero(static_cast<Eigen::Index>(functions), target.channels);
+  normal.right.setZero(static_cast<Eigen::Index>(count), target.channels);
   std::optional<TileIndex> index;
   std::optional<TileSums<Value>> sums;
-  parallel_invoke([&] { index.emplace(values); }, [&] { sums.emplace(values, target, weights); });
+  parallel_invoke([&] { index.emplace(values, sought); },
+                  [&] { sums.emplace(values, target, weights, sought); });
   const std::size_t block_size =
       std::max<std::size_t>(64, functions / 64);  // each clears a list of all functions
-  std::vector<Rows> rows((functions + block_size - 1) / block_size);
+  std::vector<Rows> rows((count + block_size - 1) / block_size);
   parallel_for(rows.size(), [&](std::size_t block) {
     RowSum row(functions);
     rows[block].entries.reserve(kEntriesPerRow * block_size);
     rows[block].ends.reserve(block_size);
-    for (std::size_t i = block * block_size; i < std::min(functions, (block + 1) * block_size); ++i) {
-      const auto f = static_cast<FunctionIndex>(i);
-      row.add(f, values, *index, *sums, rows[block]);
+    for (std::size_t i = block * block_size; i < std::min(count, (block + 1) * block_size); ++i) {
+      const FunctionIndex f = sought.functions[i];
+      row.add(f, values, *index, *sums, sought, rows[block]);
       std::array<double, kChannels> right{};
       for (const TileIndex::Place place : index->places(f)) {
         for (std::size_t c = 0; c < kChannels; ++c) right[c] += static_cast<double>(sums->right(place)[c]);
       }
       for (Eigen::Index c = 0; c < target.channels; ++c)
-        normal.right(static_cast<Eigen::Index>(f), c) = right[static_cast<std::size_t>(c)];
+        normal.right(static_cast<Eigen::Index>(i), c) = right[static_cast<std::size_t>(c)];
     }
   });
-  normal.matrix = to_matrix(rows, functions);
+  normal.matrix = to_matrix(rows, count);
   return normal;
 }
 
 }  // namespace
 
-template <class Value>
-NormalEquations assemble(const PixelValues& values, const image::Image& target,
-                         std::span<const float> weights) {
-  return assemble_in<Value>(values, target, weights);
+Sought::Sought(std::size_t function_count, std::span<const std::uint8_t> fixed,
+               std::span<const double> control)
+    : number_of(function_count, kKnown), known(control) {
+  functions.reserve(function_count);
+  for (FunctionIndex f = 0; f < function_count; ++f) {
+    if (!fixed.empty() && fixed[f]) continue;
+    number_of[f] = static_cast<std::uint32_t>(functions.size());
+    functions.push_back(f);
+  }
 }
 
-template NormalEquations assemble<double>(const PixelValues&, const image::Image&, std::span<const float>);
-template NormalEquations assemble<float>(const PixelValues&, const image::Image&, std::span<const float>);
+template <class Value>
+NormalEquations assemble(const PixelValues& values, const image::Image& target,
+                         std::span<const float> weights, const Sought& sought) {
+  return assemble_in<Value>(values, target, weights, sought);
+}
+
+template NormalEquations assemble<double>(const PixelValues&, const image::Image&, std::span<const float>,
+                                          const Sought&);
+template NormalEquations assemble<float>(const PixelValues&, const image::Image&, std::span<const float>,
+                                         const Sought&);
 
 }  // namespace knotreel::fit

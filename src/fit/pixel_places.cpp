@@ -34,36 +34,45 @@ using Offsets = std::vector<Offset>;
 /// S_geo(u) - u at all pixels at once.
 class Displacements {
  public:
-  Displacements(const spline::Basis& basis, std::span<const Vec2> displacement, int width, int height)
+  Displacements(const spline::Basis& basis, std::span<const Vec2> displacement, int width, int height,
+                const KnownPlaces& known)
       : basis_(basis),
         width_(width),
         height_(height),
+        known_(known),
         control_(displacement_control(basis.space(), displacement)) {
     displaced_.reserve(basis.space().function_count());
     for (const std::uint32_t g : basis.space().geometry_of()) displaced_.push_back(displacement[g] != Vec2{});
+    for (std::size_t f = 0; f < known.functions.size(); ++f)
+      displaced_[f] = displaced_[f] && known.functions[f] ? 1 : 0;
   }
 
-  /// Calls visit(x, y, offset) for all pixels but those in tiles where there is no displacement: tiles in any
-  /// order, on all threads allowed.
+  /// Calls visit(x, y, offset) for all pixels but those in tiles where there is no displacement, or more is
+  /// known than `most`: tiles in any order, on all threads allowed.
   /// @param places none: the centres. Those of a tile may be changed by the visits of its pixels.
   template <class Visit>
-  void for_pixels(std::span<const Vec2> places, Visit&& visit) const {
+  void for_pixels(std::span<const Vec2> places, PlacesOfTile most, Visit&& visit) const {
     const PixelTiles tiles(basis_, width_, height_, places, displaced_);
-    spline::for_surface_tiles<float>(tiles, {control_, 2}, [&](std::size_t t, const auto& surface) {
-      if (tiles.pieces(t).empty() && tiles.at_centres(t)) return;
-      const PixelTiles::Tile tile = tiles.tile(t);
-      for (int y = tile.top; y < tile.bottom; ++y) {
-        auto place = static_cast<std::size_t>((y - tile.top) * PixelTiles::kSide);
-        for (int x = tile.left; x < tile.right; ++x, ++place)
-          visit(x, y, Offset{surface[place], surface[PixelTiles::kTilePixels + place]});
+    parallel_for(tiles.tile_rows(), [&](std::size_t row) {
+      alignas(64) spline::TileSurface<float> surface;
+      for (std::size_t t = row * tiles.tile_columns(); t < (row + 1) * tiles.tile_columns(); ++t) {
+        if (!known_.tiles.empty() && known_.tiles[t] > most) continue;
+        if (tiles.pieces(t).empty() && tiles.at_centres(t)) continue;
+        spline::surface_of_tile(tiles, t, {control_, 2}, surface);
+        const PixelTiles::Tile tile = tiles.tile(t);
+        for (int y = tile.top; y < tile.bottom; ++y) {
+          auto place = static_cast<std::size_t>((y - tile.top) * PixelTiles::kSide);
+          for (int x = tile.left; x < tile.right; ++x, ++place)
+            visit(x, y, Offset{surface[place], surface[PixelTiles::kTilePixels + place]});
+        }
       }
     });
   }
 
-  /// At the centres, row-major.
+  /// At the centres, row-major; none where it is not needed.
   Offsets at_centres() const {
     Offsets offsets(std::size_t(width_) * std::size_t(height_));
-    for_pixels({}, [&](int x, int y, Offset offset) {
+    for_pixels({}, PlacesOfTile::kKnown, [&](int x, int y, Offset offset) {
       offsets[std::size_t(y) * std::size_t(width_) + std::size_t(x)] = offset;
     });
     return offsets;
@@ -73,6 +82,7 @@ class Displacements {
   const spline::Basis& basis_;
   int width_;
   int height_;
+  KnownPlaces known_;
   std::vector<double> control_;
   std::vector<std::uint8_t> displaced_;  ///< functions: few, those near features
 };
@@ -131,13 +141,15 @@ class Grid {
 /// The places of the pixels of one picture, made better and better.
 class Search {
  public:
-  Search(const spline::Basis& basis, std::span<const Vec2> displacement, int width, int height)
+  Search(const spline::Basis& basis, std::span<const Vec2> displacement, int width, int height,
+         const KnownPlaces& known)
       : basis_(basis),
         displacement_(displacement),
         width_(width),
         height_(height),
+        known_(known),
         map_(basis, displacement),
-        displacements_(basis, displacement, width, height),
+        displacements_(basis, displacement, width, height, known),
         grid_(displacements_.at_centres(), width, height),
         places_(std::size_t(width) * std::size_t(height)) {}
 
@@ -156,6 +168,12 @@ class Search {
     return centre(pixel % std::size_t(width_), pixel / std::size_t(width_));
   }
 
+  bool is_known(std::size_t x, std::size_t y) const {
+    constexpr std::size_t kSide = PixelTiles::kSide;
+    const std::size_t columns = (std::size_t(width_) + kSide - 1) / kSide;
+    return !known_.tiles.empty() && known_.tiles[y / kSide * columns + x / kSide] != PlacesOfTile::kUnknown;
+  }
+
   /// A step of Newton's method with the derivatives of the grid.
   Vec2 step(Vec2 place, Vec2 miss) const {
     const Grid::Value v = grid_.value(static_cast<float>(place.x), static_cast<float>(place.y));
@@ -171,6 +189,10 @@ class Search {
     parallel_for(static_cast<std::size_t>(height_), [&](std::size_t y) {
       for (std::size_t x = 0; x < std::size_t(width_); ++x) {
         const std::size_t i = y * std::size_t(width_) + x;
+        if (is_known(x, y)) {
+          places_[i] = known_.places[i];
+          continue;
+        }
         places_[i] = centre(x, y);
         Offset offset = grid_.of(i);
         if (offset == Offset{}) continue;
@@ -191,7 +213,7 @@ class Search {
   /// A step from where the surface takes the places, and which it leaves too far off.
   void step_together() {
     std::vector<std::vector<std::uint32_t>> far(static_cast<std::size_t>(height_));
-    displacements_.for_pixels(places_, [&](int x, int y, Offset offset) {
+    displacements_.for_pixels(places_, PlacesOfTile::kUnknown, [&](int x, int y, Offset offset) {
       const std::size_t i = std::size_t(y) * std::size_t(width_) + std::size_t(x);
       const Vec2 miss = centre(std::size_t(x), std::size_t(y)) - (places_[i] + Vec2{offset.x, offset.y});
       if (miss == Vec2{}) return;
@@ -234,6 +256,7 @@ class Search {
   std::span<const Vec2> displacement_;
   int width_;
   int height_;
+  KnownPlaces known_;
   GeometryMap map_;
   Displacements displacements_;
   Grid grid_;
@@ -244,19 +267,21 @@ class Search {
 }  // namespace
 
 std::vector<Vec2> pixel_places(const spline::Basis& basis, std::span<const Vec2> displacement, int width,
-                               int height) {
-  return Search(basis, displacement, width, height).run();
+                               int height, const KnownPlaces& known) {
+  return Search(basis, displacement, width, height, known).run();
 }
 
 std::shared_ptr<const spline::PlacedBasis> place_basis(std::shared_ptr<const spline::Basis> basis,
-                                                       std::span<const Vec2> displacement) {
+                                                       std::span<const Vec2> displacement,
+                                                       const KnownPlaces& known) {
   const mesh::KnotMesh& mesh = basis->space().mesh();
   const int width = static_cast<int>(std::lround(mesh.width));
   const int height = static_cast<int>(std::lround(mesh.height));
   const bool is_identity =
       std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; });
   std::vector<Vec2> places;
-  if (!is_identity || !mesh.segments.empty()) places = pixel_places(*basis, displacement, width, height);
+  if (!is_identity || !mesh.segments.empty())
+    places = pixel_places(*basis, displacement, width, height, known);
   return std::make_shared<const spline::PlacedBasis>(std::move(basis), width, height, std::move(places));
 }
 

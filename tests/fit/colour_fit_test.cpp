@@ -262,5 +262,63 @@ TEST(SurfaceAtPixels, EqualsEvaluationByPoints) {
   }
 }
 
+/// Fixed at what they would be anyway, they change nothing; and with other starts they stay there.
+TEST_P(ColourFits, FixedControlPointsStay) {
+  const image::Image image = test::random_picture(48, 40, 3, 5);
+  const std::size_t count = space_->function_count();
+  const ColourFit free = fit_colours(basis_, pixels(image), {.smooth_corners = false});
+  std::mt19937_64 random(11);
+  std::vector<std::uint8_t> fixed(count);
+  for (std::uint8_t& f : fixed) f = random() % 2;
+  ColourFitOptions options{.smooth_corners = false, .start = free.control, .fixed = fixed};
+  const ColourFit same = fit_colours(basis_, pixels(image), options);
+  for (std::size_t i = 0; i < free.control.size(); ++i) {
+    if (fixed[i / 3]) {
+      ASSERT_EQ(same.control[i], free.control[i]);
+    }
+    // The ridge is a share of the largest diagonal, which may be that of a fixed one.
+    ASSERT_NEAR(same.control[i], free.control[i], 0.5) << i;
+  }
+  std::vector<double> start = free.control;
+  for (double& v : start) v += static_cast<double>(random() % 64);
+  options.start = start;
+  options.step = 3;
+  const ColourFit other = fit_colours(basis_, pixels(image), options);
+  for (std::size_t i = 0; i < start.size(); ++i) {
+    ASSERT_EQ(other.control[i], fixed[i / 3] ? start[i] : 3 * std::round(other.control[i] / 3)) << i;
+  }
+  const std::vector<std::uint8_t> all(count, 1);
+  options.fixed = all;
+  EXPECT_EQ(fit_colours(basis_, pixels(image), options).control, start);
+}
+
+/// What smooths a corner holds, so those that share in it stay or go together.
+TEST_P(ColourFits, CornersStaySmoothBesideFixedControlPoints) {
+  if (GetParam().degree == 1) return;
+  const image::Image image = test::random_picture(48, 40, 1, 5);
+  const ColourFit free = fit_colours(basis_, pixels(image));
+  const Eigen::SparseMatrix<double> p =
+      spline::smooth_corner_prolongation(*space_, spline::SharedFunctions::kFree);
+  std::mt19937_64 random(12);
+  for (int n = 0; n < 5; ++n) {
+    std::vector<std::uint8_t> fixed(space_->function_count());
+    for (std::uint8_t& f : fixed) f = random() % 4 > 0;
+    const ColourFit some = fit_colours(basis_, pixels(image), {.start = free.control, .fixed = fixed});
+    const Eigen::Map<const Eigen::VectorXd> control(some.control.data(), p.rows());
+    const Eigen::MatrixXd dense(p);
+    const Eigen::VectorXd z = dense.colPivHouseholderQr().solve(control);
+    EXPECT_LT((dense * z - control).cwiseAbs().maxCoeff(), 1e-3);
+  }
+}
+
+TEST_P(ColourFits, FixedControlPointsNeedAStart) {
+  const image::Image image = test::random_picture(48, 40, 1, 5);
+  const std::vector<std::uint8_t> fixed(space_->function_count(), 1);
+  EXPECT_THROW(fit_colours(basis_, pixels(image), {.fixed = fixed}), Error);
+  const std::vector<double> start(space_->function_count(), 0.0);
+  EXPECT_THROW(fit_colours(basis_, pixels(image), {.start = start, .fixed = std::span(fixed).first(1)}),
+               Error);
+}
+
 }  // namespace
 }  // namespace knotreel::fit

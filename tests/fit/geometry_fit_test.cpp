@@ -76,6 +76,42 @@ TEST_P(Geometry, PlacesOfPixelsGoToTheirCentres) {
   }
 }
 
+/// One control point is somewhere else; only around it places are looked for again.
+TEST_P(Geometry, PlacesThatAreKnownServeAgain) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    auto model = displaced_model(GetParam(), 0.5, seed);
+    const spline::Basis basis(model.space);
+    const std::vector<Vec2> before = pixel_places(basis, model.displacement, 48, 40);
+    const PixelValues values(basis, 48, 40, before);
+    const std::vector<Vec2> sites = model.space->geometry_greville();
+    std::size_t moved = 0;
+    while (on_border(*model.space, sites[moved]) || norm(sites[moved] - Vec2{10, 10}) > 8) ++moved;
+    model.displacement[moved] = model.displacement[moved] + Vec2{0.5, -0.25};
+    std::vector<PlacesOfTile> tiles(values.tile_count(), PlacesOfTile::kKnown);
+    std::vector<std::uint8_t> functions(model.space->function_count(), 1);
+    std::size_t known = 0;
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+      for (const spline::FunctionIndex f : values.functions(t)) {
+        if (model.space->geometry_of()[f] == moved) tiles[t] = PlacesOfTile::kUnknown;
+      }
+      known += tiles[t] == PlacesOfTile::kKnown ? 1 : 0;
+    }
+    ASSERT_GT(known, 0u);
+    ASSERT_LT(known, tiles.size());
+    const std::vector<Vec2> again =
+        pixel_places(basis, model.displacement, 48, 40, {before, tiles, functions});
+    for (std::size_t t = 0; t < tiles.size(); ++t) {
+      values.for_pixels(t, [&](std::size_t pixel, std::size_t) {
+        if (tiles[t] == PlacesOfTile::kKnown) {
+          EXPECT_EQ(again[pixel], before[pixel]);
+        }
+        const Vec2 p = image_of(basis, model.displacement, again[pixel]);
+        EXPECT_LE(norm(p - pixel_centre(pixel, 48)), 3e-3) << "pixel " << pixel;
+      });
+    }
+  }
+}
+
 TEST_P(Geometry, TheIdentityIsExact) {
   const auto space = make_space(featured_mesh(1), GetParam());
   const spline::Basis basis(space);

@@ -89,5 +89,39 @@ TEST(NormalEquations, EqualDenseOnes) {
   }
 }
 
+/// Those of the sought functions alone, for what the others leave of the target.
+TEST(NormalEquations, OfSomeControlPointsEqualDenseOnes) {
+  std::mt19937_64 random(43);
+  for (const auto& c : random_cases(43, 12)) {
+    const spline::Basis basis(make_space(c.mesh, 2));
+    const int width = static_cast<int>(c.mesh.width);
+    const int height = static_cast<int>(c.mesh.height);
+    const image::Image target = test::random_picture(width, height, 3, 6);
+    const std::vector<float> weights = random_weights(static_cast<std::size_t>(target.pixel_count()), 2);
+    const std::size_t count = basis.space().function_count();
+    const std::vector<double> control = random_control(3 * count, 4);
+    std::vector<std::uint8_t> fixed;
+    for (std::size_t f = 0; f < count; ++f) fixed.push_back(random() % 3 > 0);
+    const Sought sought(count, fixed, control);
+
+    const Reference all = reference(basis, target, {}, weights, {});
+    const auto n = static_cast<Eigen::Index>(sought.functions.size());
+    Reference some{Eigen::MatrixXd(n, n), Eigen::MatrixXd(n, 3)};
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const auto f = static_cast<Eigen::Index>(sought.functions[std::size_t(i)]);
+      for (Eigen::Index j = 0; j < n; ++j)
+        some.matrix(i, j) = all.matrix(f, static_cast<Eigen::Index>(sought.functions[std::size_t(j)]));
+      some.right.row(i) = all.right.row(f);
+      for (std::size_t g = 0; g < count; ++g) {
+        if (!fixed[g]) continue;
+        for (Eigen::Index k = 0; k < 3; ++k)
+          some.right(i, k) -= all.matrix(f, static_cast<Eigen::Index>(g)) * control[3 * g + std::size_t(k)];
+      }
+    }
+    const PixelValues values(basis, width, height, {}, {});
+    expect_equal(assemble<double>(values, target, weights, sought), some, c.name);
+  }
+}
+
 }  // namespace
 }  // namespace knotreel::fit

@@ -36,6 +36,10 @@ struct ColourFitOptions {
   /// more, or none: 0. It stops short of where it would be best by half of this times the step, or by more
   /// where few pixels speak for it; so fewer of them move for noise.
   std::span<const double> reluctance = {};
+  /// 1 for functions whose control points stay exactly at their start, which they have; 0 for those that are
+  /// looked for. Or none: all are. Functions that corners are smoothed by together stay only if all of them
+  /// may. Only tiles with others are looked at.
+  std::span<const std::uint8_t> fixed = {};
 };
 
 struct ColourFit {
