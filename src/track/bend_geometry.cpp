@@ -39,7 +39,7 @@ std::vector<NetEdge> net_edges(const spline::SplineSpace& space) {
 class ElasticSheet {
  public:
   ElasticSheet(const spline::Basis& basis, std::span<const fit::CurvePoint> points,
-               std::span<const Vec2> displacement)
+               std::span<const Vec2> displacement, std::span<const std::uint8_t> held)
       : space_(basis.space()),
         before_(displacement.begin(), displacement.end()),
         sites_(space_.geometry_greville()),
@@ -47,7 +47,7 @@ class ElasticSheet {
     std::vector<Vec2> parameters;
     for (const fit::CurvePoint& p : points) parameters.push_back(p.parameter);
     const spline::ScatteredValues values = basis.evaluate(parameters);
-    choose_groups(values);
+    choose_groups(values, held);
     point_right_ = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(groups_.size()), 2);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto here =
@@ -92,7 +92,7 @@ class ElasticSheet {
 
  private:
   /// Those of the curves and of some rings around them.
-  void choose_groups(const spline::ScatteredValues& values) {
+  void choose_groups(const spline::ScatteredValues& values, std::span<const std::uint8_t> held) {
     std::vector<std::uint8_t> near(before_.size(), 0);
     for (const spline::BasisValue& v : values.values) near[space_.geometry_of()[v.function]] = 1;
     for (int ring = 0; ring < kRings; ++ring) {
@@ -104,7 +104,7 @@ class ElasticSheet {
     }
     row_of_.assign(near.size(), -1);
     for (std::uint32_t g = 0; g < near.size(); ++g) {
-      if (!near[g] || mesh::on_side(space_.mesh(), sites_[g])) continue;
+      if (!near[g] || (!held.empty() && held[g]) || mesh::on_side(space_.mesh(), sites_[g])) continue;
       row_of_[g] = static_cast<int>(groups_.size());
       groups_.push_back(g);
     }
@@ -136,8 +136,8 @@ class ElasticSheet {
 }  // namespace
 
 void bend_geometry(const spline::Basis& basis, std::span<const fit::CurvePoint> points,
-                   std::vector<Vec2>& displacement) {
-  ElasticSheet(basis, points, displacement).solve(displacement);
+                   std::vector<Vec2>& displacement, std::span<const std::uint8_t> held) {
+  ElasticSheet(basis, points, displacement, held).solve(displacement);
 }
 
 }  // namespace knotreel::track

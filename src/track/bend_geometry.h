@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -12,7 +13,8 @@ namespace knotreel::track {
 /// least squares over the points, the differences between neighbours, and, much weaker, the displacements and
 /// their changes. Control points on the sides of the picture stay.
 /// @param displacement by geometry control point; changed in place.
+/// @param held by geometry control point: 1 for those that stay as they are; or none.
 void bend_geometry(const spline::Basis& basis, std::span<const fit::CurvePoint> points,
-                   std::vector<Vec2>& displacement);
+                   std::vector<Vec2>& displacement, std::span<const std::uint8_t> held = {});
 
 }  // namespace knotreel::track

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -20,6 +21,10 @@ struct FittedFrame {
   PlacedPixels seen;                                    ///< what was fitted
   fit::ColourFit colours;                               ///< the residual is that of what was seen
   std::shared_ptr<const spline::PixelSurface> surface;  ///< at what was seen
+
+  // Of warm frames, while parts of the picture rest (docs/decisions/0027); else empty.
+  std::vector<std::uint64_t> prints;  ///< spline::function_fingerprints()
+  std::vector<std::uint8_t> ages;     ///< of the functions, as Kept::ages()
 
   /// Of the basis, at the places of what is seen.
   const spline::PixelValues& values() const { return seen.placed->values(); }

@@ -9,9 +9,10 @@ Motion motion_between(const image::Image& before, const image::Image& now,
   Motion motion;
   motion.repeated = before.samples == now.samples && before.width == now.width;
   if (motion.repeated) return motion;
+  motion.unchanged = motion::unchanged_cells(before, now);
   motion.before = std::make_shared<const motion::Luma>(motion::luma_of(before));
   motion.now = std::make_shared<const motion::Luma>(motion::luma_of(now));
-  motion.flow = motion::find_flow_pair(*motion.before, *motion.now, options);
+  motion.flow = motion::find_flow_pair(*motion.before, *motion.now, motion.unchanged, options);
   motion.moved = std::make_shared<const motion::Luma>(motion::warp(*motion.now, motion.flow.forward));
   motion.unlikeness = motion::unlikeness(*motion.before, *motion.moved);
   return motion;

@@ -7,7 +7,6 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/edge_colours.h"
 #include "knotreel/fit/geometry_fit.h"
-#include "knotreel/fit/pixel_places.h"
 #include "knotreel/fit/sharpen_edges.h"
 #include "knotreel/spline/surface.h"
 
@@ -30,10 +29,10 @@ PlacedPixels placed_pixels(const image::Image& picture, std::shared_ptr<const sp
 
 PlacedPixels place_pixels(const std::shared_ptr<const spline::Basis>& basis,
                           std::span<const Vec2> displacement, const image::Image& picture,
-                          double edge_softness) {
+                          double edge_softness, const fit::KnownPlaces& known) {
   std::vector<std::uint8_t> crossed;
   std::shared_ptr<const spline::PlacedBasis> placed;
-  parallel_invoke([&] { placed = fit::place_basis(basis, displacement); },
+  parallel_invoke([&] { placed = fit::place_basis(basis, displacement, known); },
                   [&] {
                     if (basis->space().mesh().segments.empty()) return;
                     crossed = fit::crossed_pixels(*basis, displacement, picture.width, picture.height);
@@ -42,12 +41,32 @@ PlacedPixels place_pixels(const std::shared_ptr<const spline::Basis>& basis,
 }
 
 std::shared_ptr<const spline::PixelSurface> surface_at(const PlacedPixels& pixels,
-                                                       std::span<const double> control) {
+                                                       std::span<const double> control,
+                                                       std::span<const std::uint8_t> kept,
+                                                       const spline::PixelSurface* before) {
   auto surface = std::make_shared<spline::PixelSurface>();
   surface->basis = pixels.placed->basis();
-  surface->colours.resize(pixels.picture.samples.size());
-  spline::surface_at_pixels<float>(pixels.placed->values(), {control, pixels.picture.channels},
-                                   surface->colours);
+  std::vector<float>& colours = surface->colours;
+  colours.resize(pixels.picture.samples.size());
+  const spline::PixelValues& values = pixels.placed->values();
+  const spline::Control points{control, pixels.picture.channels};
+  if (kept.empty()) {
+    spline::surface_at_pixels<float>(values, points, colours);
+    return surface;
+  }
+  const auto channels = static_cast<std::size_t>(points.channels);
+  parallel_for(values.tile_rows(), [&](std::size_t row) {
+    alignas(64) spline::TileSurface<float> drawn;
+    for (std::size_t t = row * values.tile_columns(); t < (row + 1) * values.tile_columns(); ++t) {
+      if (!kept[t]) spline::surface_of_tile(values, t, points, drawn);
+      values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
+        for (std::size_t c = 0; c < channels; ++c) {
+          const std::size_t i = pixel * channels + c;
+          colours[i] = kept[t] ? before->colours[i] : drawn[c * spline::PixelTiles::kTilePixels + place];
+        }
+      });
+    }
+  });
   return surface;
 }
 

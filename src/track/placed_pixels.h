@@ -5,6 +5,7 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/fit/pixel_places.h"
 #include "knotreel/fit/pixels.h"
 #include "knotreel/spline/pixel_surface.h"
 #include "knotreel/spline/placed_basis.h"
@@ -29,11 +30,14 @@ PlacedPixels placed_pixels(const image::Image& picture, std::shared_ptr<const sp
 /// The same for the geometry of a surface.
 PlacedPixels place_pixels(const std::shared_ptr<const spline::Basis>& basis,
                           std::span<const Vec2> displacement, const image::Image& picture,
-                          double edge_softness);
+                          double edge_softness, const fit::KnownPlaces& known = {});
 
 /// The surface of control points with these colours, function by function, at the pixels.
+/// @param kept by tile: 1 for those that are taken from `before`, of a picture of the same size; or none.
 std::shared_ptr<const spline::PixelSurface> surface_at(const PlacedPixels& pixels,
-                                                       std::span<const double> control);
+                                                       std::span<const double> control,
+                                                       std::span<const std::uint8_t> kept = {},
+                                                       const spline::PixelSurface* before = nullptr);
 
 /// Picture minus surface; row-major, channels interleaved.
 std::vector<float> residual_of(const PlacedPixels& pixels, const spline::PixelSurface& surface);

@@ -12,6 +12,7 @@
 #include "knotreel/track/idle_knots.h"
 #include "track/births.h"
 #include "track/new_knots.h"
+#include "track/resting_knots.h"
 #include "vectorize/feature_budget.h"
 
 namespace knotreel::track {
@@ -24,6 +25,7 @@ using mesh::KnotMesh;
 
 constexpr double kLeastShare = 0.25;    // of what features may use, that a group without any may come to
 constexpr double kFunctionsOfKnot = 3;  // about: the least by which a group grows
+constexpr float kPressingAtRest = 0.125F;
 constexpr double kBoundLeeway = 0.003;  // of the bound, that new knots leave: links that change need room too
 
 /// Per pixel; 0 where features cross.
@@ -42,6 +44,20 @@ std::vector<float> squared_errors(const FittedFrame& frame) {
     }
   });
   return squared;
+}
+
+/// Errors where nothing has changed for some time can wait: knots that come and go there for little make
+/// everything around them new.
+std::vector<float> pressing_errors(std::span<const float> errors, const motion::Rest& rest, int width) {
+  std::vector<float> result(errors.begin(), errors.end());
+  if (rest.share() == 0) return result;
+  const auto columns = static_cast<std::size_t>(width);
+  parallel_for(result.size() / columns, [&](std::size_t row) {
+    for (std::size_t x = 0; x < columns; ++x) {
+      if (rest.at(static_cast<int>(x), static_cast<int>(row))) result[row * columns + x] *= kPressingAtRest;
+    }
+  });
+  return result;
 }
 
 }  // namespace
@@ -86,9 +102,12 @@ KnotMesh Rework::rework(const ReworkInput& input, bool urgent, const ReworkLog& 
 void Rework::settle(const ReworkInput& input, std::span<const float> errors, bool urgent, KnotMesh& mesh) {
   const FittedFrame& frame = input.frame;
   if (urgent) settling_.wake();
-  std::vector<Vec2> moves = settling_.moves(
-      mesh, fit::knot_gradient(frame.values(), frame.seen.view(), frame.colours, settling_.awake(mesh)),
-      std::accumulate(errors.begin(), errors.end(), 0.0));
+  std::vector<std::uint8_t> awake = settling_.awake(mesh);
+  const std::vector<std::uint8_t> rests = resting_knots(mesh, input.rest);
+  for (std::size_t k = 0; k < awake.size(); ++k) awake[k] = awake[k] && !rests[k];
+  std::vector<Vec2> moves =
+      settling_.moves(mesh, fit::knot_gradient(frame.values(), frame.seen.view(), frame.colours, awake),
+                      std::accumulate(errors.begin(), errors.end(), 0.0));
   fit::limit_moves(*frame.space, input.mesh, options_.carry.min_distance, moves);
   const std::vector<Vec2> moved = fit::moved_positions(mesh, moves);
   for (std::size_t k = 0; k < moved.size(); ++k) mesh.knots[k].position = moved[k];
@@ -134,8 +153,9 @@ void Rework::refill(const ReworkInput& input, std::span<const float> errors, boo
   const double wanted = std::min(static_cast<double>(group_functions_),
                                  (1 - kBoundLeeway) * static_cast<double>(input.most_functions));
   const double missing = (wanted - functions - born_functions) / per_knot;
+  const std::vector<float> pressing = pressing_errors(errors, input.rest, width);
   const std::size_t removed =
-      remove_idle_knots(mesh, input.target, sorted_face_errors(mesh, errors, width, height),
+      remove_idle_knots(mesh, input.target, sorted_face_errors(mesh, pressing, width, height),
                         urgent ? options_.urgent_swap : options_.swap,
                         born.empty() ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
   log.changes.swapped += removed;
@@ -143,7 +163,7 @@ void Rework::refill(const ReworkInput& input, std::span<const float> errors, boo
   refine.max_knots = static_cast<std::size_t>(std::max(0.0, missing + static_cast<double>(removed)));
   refine.min_distance = options_.carry.min_distance;
   std::vector<KnotIndex> fresh =
-      knots::refine_knots(mesh, errors, frame.seen.placed->places(), width, height, refine);
+      knots::refine_knots(mesh, pressing, frame.seen.placed->places(), width, height, refine);
   log.changes.inserted += fresh.size();
   fresh.insert(fresh.end(), born.begin(), born.end());
   log.next_id = mesh.next_id();

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "knotreel/knots/target.h"
+#include "knotreel/motion/unchanged.h"
 #include "knotreel/track/tracker.h"
 #include "track/fitted_frame.h"
 #include "track/laps.h"
@@ -18,6 +19,7 @@ struct ReworkInput {
   const mesh::KnotMesh& mesh;      ///< of the frame, with the knots where they are before they are rounded
   const image::Image& picture;     ///< as it came
   const knots::Target& target;     ///< of the picture
+  const motion::Rest& rest;        ///< of the video, as of this picture
   std::size_t most_functions = 0;  ///< of any frame
 };
 

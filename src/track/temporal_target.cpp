@@ -11,6 +11,7 @@ namespace knotreel::track {
 
 namespace {
 
+constexpr int kTile = 8;        // pixels
 constexpr float kStill = 0.3F;  // pixels; shorter motion is none, so that the residual need not be resampled
 /// Times the mean absolute residual, from which on a miss is an edge out of place.
 constexpr double kOutlier = 6;
@@ -50,7 +51,8 @@ double mean_absolute(std::span<const float> residual, std::span<const float> wei
 }  // namespace
 
 image::Image temporal_target(const image::Image& picture, std::span<const float> residual,
-                             std::span<const float> weights, const Motion& motion, double share) {
+                             std::span<const float> weights, const Motion& motion, double share,
+                             std::span<const std::uint8_t> tiles) {
   image::Image target = picture;
   if (share <= 0 || residual.size() != picture.samples.size()) return target;
   const int width = picture.width;
@@ -63,8 +65,8 @@ image::Image temporal_target(const image::Image& picture, std::span<const float>
     return std::size_t(std::clamp(y, 0, height - 1)) * std::size_t(width) +
            std::size_t(std::clamp(x, 0, width - 1));
   };
-  parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
-    for (int x = 0; x < width; ++x) {
+  const auto take_off = [&](std::size_t row, int begin, int end) {
+    for (int x = begin; x < end; ++x) {
       const std::size_t i = at(x, static_cast<int>(row));
       if (!motion.flow.consistent_back[i]) continue;
       const float dx = motion.flow.backward.xy[2 * i];
@@ -92,6 +94,14 @@ image::Image temporal_target(const image::Image& picture, std::span<const float>
         for (std::size_t k = 0; k < 4; ++k) missed += part[k] * residual[from[k] * channels + c];
         target.samples[i * channels + c] -= moving_share * missed;
       }
+    }
+  };
+  const int columns = (width + kTile - 1) / kTile;
+  parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
+    if (tiles.empty()) return take_off(row, 0, width);
+    const std::uint8_t* const here = tiles.data() + row / kTile * static_cast<std::size_t>(columns);
+    for (int t = 0; t < columns; ++t) {
+      if (here[t]) take_off(row, t * kTile, std::min(width, (t + 1) * kTile));
     }
   });
   return target;

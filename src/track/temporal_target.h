@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -15,7 +16,10 @@ namespace knotreel::track {
 /// Thread safe.
 /// @param residual picture minus surface of the frame before, row-major, channels interleaved.
 /// @param weights  of its pixels, empty: all 1. @param share 0 to 1, along the motion.
+/// @param tiles    of 8x8 pixels, row-major: 1 for those that are asked for, others may be anything; or none:
+///                 all are.
 image::Image temporal_target(const image::Image& picture, std::span<const float> residual,
-                             std::span<const float> weights, const Motion& motion, double share);
+                             std::span<const float> weights, const Motion& motion, double share,
+                             std::span<const std::uint8_t> tiles = {});
 
 }  // namespace knotreel::track

@@ -2,15 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <unordered_set>
+#include <utility>
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/raster/edge_softness.h"
+#include "knotreel/spline/fingerprint.h"
 #include "knotreel/track/group_rule.h"
 #include "knotreel/track/idle_knots.h"
 #include "track/bend_geometry.h"
@@ -24,14 +25,13 @@
 #include "track/foresee.h"
 #include "track/knot_motion.h"
 #include "track/laps.h"
-#include "track/local_error.h"
 #include "track/matching.h"
 #include "track/new_knots.h"
-#include "track/placed_pixels.h"
 #include "track/quality.h"
+#include "track/resting_knots.h"
 #include "track/rework.h"
 #include "track/snap.h"
-#include "track/temporal_target.h"
+#include "track/warm_fit.h"
 
 namespace knotreel::track {
 
@@ -53,6 +53,8 @@ const char* to_string(Start start) {
 namespace {
 
 constexpr int kFramesToBend = 16;
+constexpr int kFramesToRest = 8;
+constexpr double kRestToUse = 0.1;  // share of a picture; with less, to look for what is the same costs more
 constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 
@@ -86,6 +88,22 @@ double share_alive(const KnotMesh& before, const KnotMesh& now) {
   std::size_t alive = 0;
   for (const mesh::Knot& k : before.knots) alive += ids.count(static_cast<std::uint32_t>(k.id));
   return static_cast<double>(alive) / static_cast<double>(before.knots.size());
+}
+
+/// Takes what came of a frame from it, and leaves what the next one is made from.
+FittedFrame handed_over(FittedFrame& frame) {
+  FittedFrame next;
+  next.space = frame.space;
+  next.displacement = frame.displacement;
+  next.edge_softness = frame.edge_softness;
+  FittedFrame before = std::exchange(frame, std::move(next));
+  if (before.prints.empty()) {  // nobody will look for what is the same
+    before.basis.reset();
+    before.surface.reset();
+    before.seen.placed.reset();
+    before.seen.picture = {};
+  }
+  return before;
 }
 
 }  // namespace
@@ -153,6 +171,7 @@ class Tracker::Impl {
     since_bend_ = options_.bend_interval;
     since_softness_ = kSoftnessInterval;
     frames_to_bend_ = 0;
+    rest_.start(picture.width, picture.height);
     next_id_ = EditableMesh(frame_.space->mesh()).next_id();
     last_mec_ = report_->mec;
     if (!options_.warm_start) return;
@@ -174,11 +193,6 @@ class Tracker::Impl {
     return *difficulty_;
   }
 
-  void look_at(const image::Image& picture) {
-    frame_.seen = place_pixels(frame_.basis, frame_.displacement, picture, frame_.edge_softness);
-    laps_->lap("places");
-  }
-
   void measure() {
     const Quality quality =
         quality_of(frame_.colours.residual, frame_.seen.weights, frame_.seen.picture.channels);
@@ -189,21 +203,21 @@ class Tracker::Impl {
   // -- warm frames
 
   void make_warm(const image::Image& picture, const Motion& motion) {
-    const std::unique_ptr<knots::Target> target_before = std::move(target_);
+    rest_.add(motion.unchanged);
     KnotMesh carried;
     std::optional<LinkMemory> links;
     std::optional<FaceErrors> errors_before;
     parallel_invoke([&] { carried = carried_mesh(motion); },
                     [&] {
-                      make_target(picture);
+                      errors_before.emplace(mesh_, *target_);
+                      target_->change_to(picture);
+                      difficulty_.reset();
                       links.emplace(*frame_.space);
-                      errors_before.emplace(mesh_, *target_before);
                     });
     laps_->lap("carry");
     carried = refilled(carried, *errors_before);
     laps_->lap("foresee");
-    frame_before_ = {frame_.space, frame_.colours.control, std::move(frame_.colours.residual),
-                     std::move(frame_.seen.weights)};
+    frame_before_ = handed_over(frame_);
     take_over(carried, *links);
     bend_curves(*motion.now);
     fit(picture, motion);
@@ -236,7 +250,8 @@ class Tracker::Impl {
     std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
     SnapResult snapped = snap_to_edges(*frame_.basis, frame_.displacement, next_mesh_, moves,
                                        frame_.seen.picture, *motion.before, *motion.now);
-    for (std::size_t k = 0; k < moves.size(); ++k) moves[k] = moves[k] + snapped.moves[k];
+    const std::vector<std::uint8_t> rests = resting_knots(next_mesh_, rest_);
+    for (std::size_t k = 0; k < moves.size(); ++k) moves[k] = rests[k] ? Vec2{} : moves[k] + snapped.moves[k];
     const std::vector<Vec2> targets = knot_targets(next_mesh_, moves);
     KnotMesh carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->changes.carry);
     if (!give_up_stuck(report_->changes.carry, snapped.lost)) return carried;
@@ -306,8 +321,13 @@ class Tracker::Impl {
         [&] {
           frame_.displacement = carried_displacement(*frame_.space, frame_.displacement, *space);
           round_displacement();
+          match_ = match_functions(*frame_before_.space, *space);
         },
-        [&] { frame_.basis = std::make_shared<const spline::Basis>(space); });
+        [&] {
+          frame_.basis = std::make_shared<const spline::Basis>(space);
+          frame_.prints.clear();
+          if (rest_.share() >= kRestToUse) frame_.prints = spline::function_fingerprints(*frame_.basis);
+        });
     frame_.space = std::move(space);
     laps_->lap("space");
   }
@@ -323,7 +343,9 @@ class Tracker::Impl {
     since_bend_ = 0;
     const EdgePoints edges = find_edge_points(*frame_.basis, frame_.displacement, now);
     if (edges.rms <= options_.curve_error && !has_new_features) return;
-    bend_geometry(*frame_.basis, edges.points, frame_.displacement);
+    std::vector<std::uint8_t> held;
+    if (!has_new_features) held = resting_geometry(*frame_.space, resting_knots(frame_.space->mesh(), rest_));
+    bend_geometry(*frame_.basis, edges.points, frame_.displacement, held);
     round_displacement();
     fit::unfold_geometry(*frame_.basis, frame_.displacement);
     round_displacement();
@@ -331,46 +353,8 @@ class Tracker::Impl {
   }
 
   void fit(const image::Image& picture, const Motion& motion) {
-    std::vector<std::uint32_t> match;
-    parallel_invoke([&] { look_at(picture); },
-                    [&] { match = match_functions(*frame_before_.space, *frame_.space); });
-    const image::Image wanted = temporal_target(frame_.seen.picture, frame_before_.residual,
-                                                frame_before_.weights, motion, options_.temporal_weight);
-    fit::Pixels pixels = frame_.seen.view();
-    pixels.image = &wanted;
-    fit::ColourFitOptions colour = cold_.colour;
-    colour.find_residual = false;
-    const std::vector<double> before = colours_before(match);
-    colour.start = before;
-    colour.step = frame_.colour_step =
-        options_.colour_step * options_.delta_coarseness * coarseness_.factor();
-    const std::vector<double> reluctance = reluctance_to_change(picture);
-    colour.reluctance = reluctance;
-    frame_.colours = fit::fit_colours(frame_.values(), pixels, colour);
-    frame_.surface = surface_at(frame_.seen, frame_.colours.control);
-    frame_.colours.residual = residual_of(frame_.seen, *frame_.surface);
-    laps_->lap("colours");
-  }
-
-  /// Colours of control points in the frame before; NaN for those that were not there.
-  /// @param match of the functions with those of the frame before.
-  std::vector<double> colours_before(const std::vector<std::uint32_t>& match) const {
-    const std::size_t channels = frame_before_.control.size() / frame_before_.space->function_count();
-    std::vector<double> colours(match.size() * channels, std::numeric_limits<double>::quiet_NaN());
-    for (std::size_t f = 0; f < match.size(); ++f) {
-      if (match[f] == kNoMatch) continue;
-      std::copy_n(frame_before_.control.begin() + static_cast<std::ptrdiff_t>(match[f] * channels), channels,
-                  colours.begin() + static_cast<std::ptrdiff_t>(f * channels));
-    }
-    return colours;
-  }
-
-  /// By function. What is hit well shows what is left over from the frame before, and has little to flicker.
-  std::vector<double> reluctance_to_change(const image::Image& picture) const {
-    std::vector<double> result =
-        local_errors(*frame_.space, frame_before_.residual, picture.width, picture.height, picture.channels);
-    for (double& r : result) r = options_.reluctance * std::min(1.0, r / options_.reluctance_error);
-    return result;
+    frame_.colour_step = options_.colour_step * options_.delta_coarseness * coarseness_.factor();
+    fit_warm_frame(frame_before_, {picture, motion, match_, cold_.colour, options_}, frame_, *laps_);
   }
 
   void prepare_next(const image::Image& picture, bool urgent) {
@@ -378,7 +362,7 @@ class Tracker::Impl {
   }
 
   ReworkInput rework_input(const image::Image& picture) const {
-    return {frame_, mesh_, picture, *target_, most_functions_};
+    return {frame_, mesh_, picture, *target_, rest_, most_functions_};
   }
   ReworkLog rework_log() { return {report_->changes, *laps_, next_id_}; }
 
@@ -397,6 +381,7 @@ class Tracker::Impl {
   vectorize::Options cold_;
   TrackOptions options_;
   GroupRule groups_;
+  motion::Rest rest_{kFramesToRest};
   FitWatch watch_;
   ColourCoarseness coarseness_;
   FrameReport* report_ = nullptr;
@@ -407,12 +392,8 @@ class Tracker::Impl {
   /// a step of it is not lost.
   KnotMesh mesh_;
   KnotMesh next_mesh_;
-  struct {
-    std::shared_ptr<const spline::SplineSpace> space;
-    std::vector<double> control;
-    std::vector<float> residual;  ///< of what was seen
-    std::vector<float> weights;
-  } frame_before_;
+  std::vector<std::uint32_t> match_;  ///< of the functions of the frame with those of the one before
+  FittedFrame frame_before_;
   Rework rework_;
   std::unique_ptr<knots::Target> target_;  ///< of the last picture
   std::optional<double> difficulty_;       ///< of that

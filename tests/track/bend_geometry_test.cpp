@@ -64,6 +64,23 @@ TEST(BendGeometry, SidesStayAndWithoutCurvesEverythingDoes) {
   EXPECT_EQ(displacement, before) << "there was no curve to bend";
 }
 
+TEST(BendGeometry, WhatIsHeldStays) {
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(crowded_feature(), 2));
+  const std::vector<Vec2> sites = basis.space().geometry_greville();
+  std::vector<std::uint8_t> held(sites.size());
+  for (std::size_t g = 0; g < sites.size(); ++g) held[g] = sites[g].x < 30 ? 1 : 0;
+  std::vector<Vec2> displacement(sites.size(), Vec2{0.125, 0});
+  bend_geometry(basis, arc(2), displacement, held);
+  std::size_t moved = 0;
+  for (std::size_t g = 0; g < sites.size(); ++g) {
+    if (held[g]) {
+      EXPECT_EQ(displacement[g], (Vec2{0.125, 0})) << g;
+    }
+    moved += displacement[g] != Vec2{0.125, 0} ? 1 : 0;
+  }
+  EXPECT_GT(moved, 10u);
+}
+
 TEST(BendGeometry, DoingItAgainChangesLittle) {
   const spline::Basis basis(std::make_shared<const spline::SplineSpace>(crowded_feature(), 2));
   std::vector<Vec2> displacement(basis.space().geometry_count());

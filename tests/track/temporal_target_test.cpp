@@ -45,6 +45,23 @@ TEST(TemporalTarget, WithoutAShareIsThePicture) {
   EXPECT_EQ(Case({0, 0}).target(0).samples, Case({0, 0}).picture.samples);
 }
 
+TEST(TemporalTarget, TilesThatAreAskedForAreAsIfAllWere) {
+  constexpr std::size_t kColumns = (kWidth + 7) / 8;
+  std::vector<std::uint8_t> tiles(kColumns * ((kHeight + 7) / 8));
+  for (std::size_t t = 0; t < tiles.size(); ++t) tiles[t] = t % 3 > 0 ? 1 : 0;
+  for (const Vec2 motion : {Vec2{0.1, 0.1}, Vec2{3, -2}}) {
+    const Case c(motion);
+    const image::Image all = c.target(0.5);
+    const image::Image some = temporal_target(c.picture, c.residual, c.weights, c.motion, 0.5, tiles);
+    for (int y = 0; y < kHeight; ++y) {
+      for (int x = 0; x < kWidth; ++x) {
+        if (!tiles[std::size_t(y / 8) * kColumns + std::size_t(x / 8)]) continue;
+        for (int k = 0; k < 3; ++k) ASSERT_EQ(some.at(x, y, k), all.at(x, y, k)) << x << ", " << y;
+      }
+    }
+  }
+}
+
 TEST(TemporalTarget, WhereNothingMovesTheShareCountsTwiceButNotOfOutliers) {
   const Case c({0.1, -0.2});
   constexpr double kShare = 0.3;

@@ -14,7 +14,9 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/document/writer.h"
+#include "knotreel/fit/pixel_places.h"
 #include "knotreel/raster/render.h"
+#include "knotreel/spline/surface.h"
 #include "knotreel/vectorize/vectorize.h"
 #include "support/pictures.h"
 
@@ -227,6 +229,96 @@ double share_of_changed_colours(TrackOptions options) {
 
 /// What rounding leaves is a part of what was missed, half of which is taken off the next picture; and
 /// control points stop short of where they would be best.
+/// A small disk that moves on the left, and on the right a disk with a sharp edge at rest.
+image::Image half_at_rest(int frame) {
+  image::Image image = image::make_image(240, 96, 3);
+  const image::Image still = scene(44, 36);
+  for (int j = 0; j < image.height; ++j) {
+    for (int i = 0; i < image.width; ++i) {
+      for (int c = 0; c < 3; ++c) {
+        if (i >= 144) {
+          image.at(i, j, c) = still.at(i - 144, std::min(j, 71), c);
+          continue;
+        }
+        const double inside = std::clamp(12.5 - std::hypot(i - 20 - 1.5 * frame, j - 50), 0.0, 1.0);
+        image.at(i, j, c) = static_cast<float>(120 + 30 * std::sin(0.05 * i + 0.06 * j) + 80 * inside);
+      }
+    }
+  }
+  return image;
+}
+
+std::vector<image::Image> halves_at_rest(int frames) {
+  std::vector<image::Image> pictures;
+  for (int i = 0; i < frames; ++i) pictures.push_back(half_at_rest(i));
+  return pictures;
+}
+
+/// Knots, and what is drawn where no function reaches what moves.
+TEST(Tracker, WhatIsAtRestStaysAsItIs) {
+  const std::vector<image::Image> pictures = halves_at_rest(24);
+  vectorize::Options cold;
+  cold.max_control_points = 700;
+  cold.mec = 1;
+  Tracker tracker(cold, {});
+  std::map<std::uint32_t, Vec2> knots;
+  std::shared_ptr<const spline::PixelSurface> drawn;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    std::optional<Motion> motion;
+    if (i > 0) motion = motion_between(pictures[i - 1], pictures[i]);
+    FrameReport report;
+    const document::FrameModel model = tracker.next(pictures[i], motion ? &*motion : nullptr, &report);
+    ASSERT_EQ(report.start, i == 0 ? Start::kFirst : Start::kWarm) << i;
+    std::map<std::uint32_t, Vec2> now;
+    for (const mesh::Knot& k : model.space->mesh().knots) {
+      if (k.position.x > 176) now[static_cast<std::uint32_t>(k.id)] = k.position;
+    }
+    if (i >= 14) {
+      EXPECT_EQ(now, knots) << i;
+      std::size_t changed = 0;
+      for (int y = 0; y < 96; ++y) {
+        for (std::size_t n = std::size_t(y) * 720 + 3 * 212; n < std::size_t(y + 1) * 720; ++n)
+          changed += tracker.surface()->colours[n] != drawn->colours[n] ? 1 : 0;
+      }
+      EXPECT_EQ(changed, 0u) << i;
+    }
+    knots = now;
+    drawn = tracker.surface();
+  }
+}
+
+/// What is kept from the frame before is what would be found anew.
+TEST(Tracker, WhatIsKeptIsThatOfTheModel) {
+  const std::vector<image::Image> pictures = halves_at_rest(20);
+  vectorize::Options cold;
+  cold.max_control_points = 700;
+  Tracker tracker(cold, {});
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    std::optional<Motion> motion;
+    if (i > 0) motion = motion_between(pictures[i - 1], pictures[i]);
+    const document::FrameModel model = tracker.next(pictures[i], motion ? &*motion : nullptr);
+    const auto placed =
+        fit::place_basis(std::make_shared<const spline::Basis>(model.space), model.displacement);
+    std::vector<float> anew(pictures[i].samples.size());
+    spline::surface_at_pixels<float>(placed->values(), {model.colour, model.channels}, anew);
+    std::size_t other = 0;  // on the other side of a feature, by less than places are told to
+    for (std::size_t n = 0; n < anew.size(); ++n)
+      other += std::abs(anew[n] - tracker.surface()->colours[n]) > 0.2F ? 1 : 0;
+    EXPECT_LE(other, anew.size() / 5000) << i;
+  }
+}
+
+TEST(Tracker, RestDoesNotDependOnThreads) {
+  const auto run = [](int threads) {
+    const ThreadCap cap(threads);
+    return track(halves_at_rest(14), {}, 1).models.back();
+  };
+  const document::FrameModel one = run(1);
+  const document::FrameModel four = run(4);
+  EXPECT_EQ(one.colour, four.colour);
+  EXPECT_EQ(one.displacement, four.displacement);
+}
+
 TEST(Tracker, ColoursStayUntilTheBestAreAStepAway) {
   TrackOptions options{.rework_interval = 100};
   options.delta_coarseness *= 1.5;  // a picture as clear as this has finer steps than usual
