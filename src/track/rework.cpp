@@ -25,7 +25,6 @@ using mesh::KnotMesh;
 
 constexpr double kLeastShare = 0.25;    // of what features may use, that a group without any may come to
 constexpr double kFunctionsOfKnot = 3;  // about: the least by which a group grows
-constexpr float kPressingAtRest = 0.125F;
 constexpr double kBoundLeeway = 0.003;  // of the bound, that new knots leave: links that change need room too
 
 /// Per pixel; 0 where features cross.
@@ -44,20 +43,6 @@ std::vector<float> squared_errors(const FittedFrame& frame) {
     }
   });
   return squared;
-}
-
-/// Errors where nothing has changed for some time can wait: knots that come and go there for little make
-/// everything around them new.
-std::vector<float> pressing_errors(std::span<const float> errors, const motion::Rest& rest, int width) {
-  std::vector<float> result(errors.begin(), errors.end());
-  if (rest.share() == 0) return result;
-  const auto columns = static_cast<std::size_t>(width);
-  parallel_for(result.size() / columns, [&](std::size_t row) {
-    for (std::size_t x = 0; x < columns; ++x) {
-      if (rest.at(static_cast<int>(x), static_cast<int>(row))) result[row * columns + x] *= kPressingAtRest;
-    }
-  });
-  return result;
 }
 
 }  // namespace
@@ -153,9 +138,8 @@ void Rework::refill(const ReworkInput& input, std::span<const float> errors, boo
   const double wanted = std::min(static_cast<double>(group_functions_),
                                  (1 - kBoundLeeway) * static_cast<double>(input.most_functions));
   const double missing = (wanted - functions - born_functions) / per_knot;
-  const std::vector<float> pressing = pressing_errors(errors, input.rest, width);
   const std::size_t removed =
-      remove_idle_knots(mesh, input.target, sorted_face_errors(mesh, pressing, width, height),
+      remove_idle_knots(mesh, input.target, sorted_face_errors(mesh, errors, width, height),
                         urgent ? options_.urgent_swap : options_.swap,
                         born.empty() ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
   log.changes.swapped += removed;
@@ -163,7 +147,7 @@ void Rework::refill(const ReworkInput& input, std::span<const float> errors, boo
   refine.max_knots = static_cast<std::size_t>(std::max(0.0, missing + static_cast<double>(removed)));
   refine.min_distance = options_.carry.min_distance;
   std::vector<KnotIndex> fresh =
-      knots::refine_knots(mesh, pressing, frame.seen.placed->places(), width, height, refine);
+      knots::refine_knots(mesh, errors, frame.seen.placed->places(), width, height, refine);
   log.changes.inserted += fresh.size();
   fresh.insert(fresh.end(), born.begin(), born.end());
   log.next_id = mesh.next_id();
