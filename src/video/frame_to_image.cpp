@@ -14,6 +14,7 @@ extern "C" {
 #include "image_to_frame.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
+#include "readable_frame.h"
 
 namespace knotreel::video {
 namespace {
@@ -218,6 +219,7 @@ image::Image FrameToImage::from_yuv(const AVFrame& frame) {
 }
 
 image::Image FrameToImage::convert(const AVFrame& frame) {
+  if (const FramePtr readable = readable_frame(frame)) return convert(*readable);
   const AVPixFmtDescriptor& format = descriptor(frame);
   const bool exact = plain(format);
   if (!exact && (is_rgb(format) || is_grey(format) || format.comp[0].depth < 8)) {

@@ -140,6 +140,81 @@ TEST(Inputs, RawPicturesNeedTheirSize) {
   EXPECT_EQ(kind_of([&] { read_clip(dir / "a.raw", options); }), ErrorKind::kInvalidArgument);
 }
 
+image::Image raw_picture(const TempDir& dir, const std::string& bytes, const std::string& format) {
+  write_text(dir / "one.raw", bytes);
+  ReadOptions options;
+  options.format = "rawvideo";
+  options.demuxer_options = {{"video_size", "16x8"}, {"pixel_format", format}};
+  return read_clip(dir / "one.raw", options).frames.at(0).image;
+}
+
+/// Samples of 8 or 16 bits, one plane after the other, big endian or not.
+std::string bytes_of(const std::vector<int>& samples, int size, bool big = false) {
+  std::string bytes;
+  for (const int s : samples) {
+    if (size == 2 && big) bytes.push_back(char(s >> 8));
+    bytes.push_back(char(s & 255));
+    if (size == 2 && !big) bytes.push_back(char(s >> 8));
+  }
+  return bytes;
+}
+
+/// swscale does not read these; their samples are those of a format that it reads.
+TEST(Inputs, SemiPlanarAndPackedPixelsAreThoseOfPlanarOnes) {
+  const TempDir dir;
+  for (const int depth : {8, 10}) {
+    const int code = 1 << (depth - 8);
+    std::vector<int> luma, blue, red;
+    for (int y = 0; y < 8; ++y) {
+      for (int x = 0; x < 16; ++x) luma.push_back((30 + 10 * x + 3 * y) * code + x % code);
+      for (int x = 0; x < 8; ++x) {
+        blue.push_back((90 + 9 * x) * code);
+        red.push_back((150 - 9 * y) * code + x % code);
+      }
+    }
+    const auto joined = [](std::vector<int> a, const std::vector<int>& b) {
+      a.insert(a.end(), b.begin(), b.end());
+      return a;
+    };
+    std::vector<int> pairs, packed;
+    for (std::size_t i = 0; i < blue.size(); ++i) {
+      pairs.insert(pairs.end(), {blue[i], red[i]});
+      packed.insert(packed.end(), {luma[2 * i], blue[i], luma[2 * i + 1], red[i]});
+    }
+    const int size = depth > 8 ? 2 : 1;
+    const image::Image planar = raw_picture(dir, bytes_of(joined(joined(luma, blue), red), size),
+                                            depth > 8 ? "yuv422p10le" : "yuv422p");
+    const std::vector<int> semi = joined(luma, pairs);
+    if (depth == 8) {
+      EXPECT_LE(largest_difference(raw_picture(dir, bytes_of(semi, 1), "nv16"), planar), 0);
+      continue;
+    }
+    EXPECT_LE(largest_difference(raw_picture(dir, bytes_of(semi, 2), "nv20le"), planar), 0);
+    EXPECT_LE(largest_difference(raw_picture(dir, bytes_of(semi, 2, true), "nv20be"), planar), 0);
+    for (int& s : packed) s <<= 6;
+    EXPECT_LE(largest_difference(raw_picture(dir, bytes_of(packed, 2, true), "y210be"), planar), 0);
+  }
+}
+
+TEST(Inputs, MosaicsOfSensorsAreInColour) {
+  const TempDir dir;
+  for (const bool deep : {false, true}) {
+    std::vector<int> mosaic;  // every fourth sample is red, and bright
+    for (int y = 0; y < 8; ++y) {
+      for (int x = 0; x < 16; ++x) mosaic.push_back((y % 2 == 0 && x % 2 == 0 ? 200 : 40) * (deep ? 257 : 1));
+    }
+    const image::Image image =
+        raw_picture(dir, bytes_of(mosaic, deep ? 2 : 1), deep ? "bayer_rggb16le" : "bayer_rggb8");
+    for (int y = 2; y < 6; ++y) {
+      for (int x = 2; x < 14; ++x) {
+        EXPECT_NEAR(image.at(x, y, 0), 200, 1) << x << ", " << y;
+        EXPECT_NEAR(image.at(x, y, 1), 40, 1) << x << ", " << y;
+        EXPECT_NEAR(image.at(x, y, 2), 40, 1) << x << ", " << y;
+      }
+    }
+  }
+}
+
 /// A pipe out of which the bytes of a file come.
 class Pipe {
  public:
