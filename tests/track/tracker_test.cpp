@@ -308,6 +308,18 @@ TEST(Tracker, WhatIsKeptIsThatOfTheModel) {
   }
 }
 
+/// Colours change where everything has been at rest, but no edge does.
+TEST(Tracker, RestEndsWithTheFirstChange) {
+  std::vector<image::Image> pictures = halves_at_rest(15);
+  for (int y = 0; y < 96; ++y) {
+    for (int x = 160; x < 240; ++x) pictures.back().at(x, y, 1) *= 0.75F;
+  }
+  const std::vector<FrameReport> reports = track(pictures, {}, 1).reports;
+  ASSERT_EQ(reports.back().start, Start::kWarm);
+  EXPECT_EQ(reports.back().changes.repairs, 0);
+  EXPECT_GT(reports.back().psnr, reports[13].psnr - 2);
+}
+
 TEST(Tracker, RestDoesNotDependOnThreads) {
   const auto run = [](int threads) {
     const ThreadCap cap(threads);
