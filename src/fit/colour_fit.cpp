@@ -52,8 +52,8 @@ Eigen::SparseMatrix<double> prolongation(const spline::SplineSpace& space, bool 
 
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// What is given by function, of the unknown ones.
-std::vector<double> of_unknowns(std::span<const double> numbers, const Sought& sought, std::size_t channels) {
+/// What is given by function, of those that are looked for.
+std::vector<double> of_sought(std::span<const double> numbers, const Sought& sought, std::size_t channels) {
   if (numbers.empty() || sought.all()) return {numbers.begin(), numbers.end()};
   std::vector<double> result;
   result.reserve(sought.functions.size() * channels);
@@ -72,8 +72,8 @@ Eigen::MatrixXd start_of(std::span<const double> start, const Eigen::MatrixXd& p
   return known.array().isNaN().select(prior, known);
 }
 
-/// The rows of the unknown functions, and the columns that they have.
-Eigen::SparseMatrix<double> of_unknowns(const Eigen::SparseMatrix<double>& p, const Sought& sought) {
+/// The rows of the functions that are looked for, and the columns that they have.
+Eigen::SparseMatrix<double> of_sought(const Eigen::SparseMatrix<double>& p, const Sought& sought) {
   std::vector<Eigen::Triplet<double>> entries;
   int columns = 0;
   for (int j = 0; j < p.outerSize(); ++j) {
@@ -133,7 +133,7 @@ std::vector<std::uint8_t> on_their_own(const Eigen::SparseMatrix<double>& p) {
 }
 
 /// min |A c - b|^2 + ridge |c - prior|^2 over c = P z.
-/// @param control of the unknown functions it is changed.
+/// @param control all; those that are looked for are changed.
 void solve(const spline::SplineSpace& space, const image::Image& image, NormalEquations& normal,
            const Eigen::SparseMatrix<double>& p, const Sought& sought, const ColourFitOptions& options,
            std::vector<double>& control) {
@@ -142,13 +142,13 @@ void solve(const spline::SplineSpace& space, const image::Image& image, NormalEq
   for (Eigen::Index i = 0; i < normal.matrix.rows(); ++i) normal.matrix.coeffRef(i, i) += ridge;
   const Eigen::MatrixXd prior = greville_colours(space, sought.functions, image);
   const Eigen::MatrixXd right = normal.right + ridge * prior;
-  const std::vector<double> start = of_unknowns(options.start, sought, channels);
+  const std::vector<double> start = of_sought(options.start, sought, channels);
   const double tolerance = std::max(kTolerance, kToleranceOfStep * options.step);
   const Eigen::MatrixXd found = solve_reduced(normal.matrix, p, right, start_of(start, prior), tolerance);
   std::vector<double> result(static_cast<std::size_t>(found.size()));
   Eigen::Map<RowMajor>(result.data(), found.rows(), found.cols()) = found;
   if (options.step > 0) {
-    const std::vector<double> reluctance = of_unknowns(options.reluctance, sought, 1);
+    const std::vector<double> reluctance = of_sought(options.reluctance, sought, 1);
     descend_in_steps(normal.matrix, right, on_their_own(p), start, {options.step, reluctance}, result);
   }
   for (std::size_t i = 0; i < sought.functions.size(); ++i) {
@@ -225,7 +225,7 @@ ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
         },
         [&] {
           if (fixed.empty()) p = prolongation(space, options.smooth_corners);
-          if (!sought.all()) p = of_unknowns(p, sought);
+          if (!sought.all()) p = of_sought(p, sought);
         });
     solve(space, image, normal, p, sought, options, fit.control);
   }

@@ -310,9 +310,9 @@ class RowSum {
 };
 
 /// By columns, with ascending rows. @param blocks of rows, in order.
-Eigen::SparseMatrix<double> to_matrix(const std::vector<Rows>& blocks, std::size_t sought) {
-  const auto n = static_cast<Eigen::Index>(sought);
-  std::vector<int> end(sought + 1, 0);
+Eigen::SparseMatrix<double> to_matrix(const std::vector<Rows>& blocks, std::size_t unknowns) {
+  const auto n = static_cast<Eigen::Index>(unknowns);
+  std::vector<int> end(unknowns + 1, 0);
   for (const Rows& block : blocks) {
     for (const Entry& e : block.entries) ++end[e.column + 1];
   }
