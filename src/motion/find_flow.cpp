@@ -46,10 +46,14 @@ cv::Mat large_enough(const Luma& luma) {
   return larger;
 }
 
-// Around what has changed, pixels: motion is looked for in the outer margin and taken from the inner one.
-constexpr int kMargin = 48;
-constexpr int kInnerMargin = 24;
+constexpr int kLeastMargin = 48;       // pixels
 constexpr double kMostSearched = 0.7;  // share of the pixels, from which on parts save nothing
+
+/// Around what has changed, pixels: motion is looked for there, and taken from the inner half. Where
+/// something was and where it has gone, up to an eighth of the smaller side, is in one box.
+int margin_for(const Luma& luma) {
+  return std::max(kLeastMargin, std::min(luma.width, luma.height) / 16);
+}
 
 Luma part_of(const Luma& luma, const PixelBox& box) {
   Luma part{box.width(), box.height(), {}};
@@ -72,14 +76,14 @@ FlowPair no_motion(int width, int height) {
 }
 
 /// Copies what was found in a box, but for its margin where it does not end at the picture's.
-void paste(const FlowPair& part, const PixelBox& box, FlowPair& all) {
+void paste(const FlowPair& part, const PixelBox& box, int margin, FlowPair& all) {
   const int width = all.forward.width;
   const int height = all.forward.height;
-  constexpr int kCut = kMargin - kInnerMargin;
-  const int left = box.left == 0 ? 0 : box.left + kCut;
-  const int right = box.right == width ? width : box.right - kCut;
-  const int top = box.top == 0 ? 0 : box.top + kCut;
-  const int bottom = box.bottom == height ? height : box.bottom - kCut;
+  const int cut = margin / 2;
+  const int left = box.left == 0 ? 0 : box.left + cut;
+  const int right = box.right == width ? width : box.right - cut;
+  const int top = box.top == 0 ? 0 : box.top + cut;
+  const int bottom = box.bottom == height ? height : box.bottom - cut;
   const auto count = std::size_t(right - left);
   for (int y = top; y < bottom; ++y) {
     const std::size_t from =
@@ -135,13 +139,14 @@ FlowPair find_flow_pair(const Luma& from, const Luma& to, const FlowOptions& opt
 FlowPair find_flow_pair(const Luma& from, const Luma& to, std::span<const std::uint8_t> unchanged,
                         const FlowOptions& options) {
   check_sizes(from, to);
-  const std::vector<PixelBox> boxes = changed_boxes(unchanged, from.width, from.height, kMargin);
+  const int margin = margin_for(from);
+  const std::vector<PixelBox> boxes = changed_boxes(unchanged, from.width, from.height, margin);
   double searched = 0;
   for (const PixelBox& box : boxes) searched += static_cast<double>(box.width()) * box.height();
   if (searched > kMostSearched * double(from.v.size())) return find_flow_pair(from, to, options);
   FlowPair result = no_motion(from.width, from.height);
   for (const PixelBox& box : boxes)
-    paste(find_flow_pair(part_of(from, box), part_of(to, box), options), box, result);
+    paste(find_flow_pair(part_of(from, box), part_of(to, box), options), box, margin, result);
   return result;
 }
 
