@@ -87,9 +87,7 @@ KnotMesh Rework::rework(const ReworkInput& input, bool urgent, const ReworkLog& 
 void Rework::settle(const ReworkInput& input, std::span<const float> errors, bool urgent, KnotMesh& mesh) {
   const FittedFrame& frame = input.frame;
   if (urgent) settling_.wake();
-  std::vector<std::uint8_t> awake = settling_.awake(mesh);
-  const std::vector<std::uint8_t> rests = resting_knots(mesh, input.rest);
-  for (std::size_t k = 0; k < awake.size(); ++k) awake[k] = awake[k] && !rests[k];
+  const std::vector<std::uint8_t> awake = settling_.awake(mesh, resting_knots(mesh, input.rest));
   std::vector<Vec2> moves =
       settling_.moves(mesh, fit::knot_gradient(frame.values(), frame.seen.view(), frame.colours, awake),
                       std::accumulate(errors.begin(), errors.end(), 0.0));

@@ -15,11 +15,13 @@ constexpr double kLongest = 0.1;  // share of the shortest edge
 
 }  // namespace
 
-std::vector<std::uint8_t> Settling::awake(const mesh::KnotMesh& mesh) const {
+std::vector<std::uint8_t> Settling::awake(const mesh::KnotMesh& mesh,
+                                          std::span<const std::uint8_t> resting) const {
   std::vector<std::uint8_t> result(mesh.knots.size(), 1);
   for (std::size_t k = 0; k < result.size(); ++k) {
     const auto known = steps_.find(static_cast<std::uint32_t>(mesh.knots[k].id));
-    result[k] = known == steps_.end() || known->second.nap == 0;
+    if (known == steps_.end()) continue;
+    result[k] = known->second.nap == 0 && !(resting[k] && known->second.settled) ? 1 : 0;
   }
   return result;
 }
@@ -43,7 +45,10 @@ std::vector<Vec2> Settling::moves(const mesh::KnotMesh& mesh, const std::vector<
       continue;
     }
     const double size = norm(gradient[k]);
-    if (!(size > 0)) continue;
+    if (!(size > 0)) {
+      if (known != steps_.end()) steps.insert(*known);
+      continue;
+    }
     Step step = known != steps_.end() ? known->second : Step{options_.first_step * shortest[k], {}};
     const Vec2 direction = (-1 / size) * gradient[k];
     const double turn = dot(direction, step.direction);
@@ -52,8 +57,10 @@ std::vector<Vec2> Settling::moves(const mesh::KnotMesh& mesh, const std::vector<
     step.direction = direction;
     if (size * step.length >= least_gain && step.length >= options_.least) {
       result[k] = step.length * direction;
+      step.settled = false;
     } else {
       step.nap = options_.nap;
+      step.settled = true;
     }
     steps.emplace(id, step);
   }

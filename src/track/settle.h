@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <span>
 #include <unordered_map>
 #include <vector>
 
@@ -24,7 +25,8 @@ class Settling {
   explicit Settling(const SettleOptions& options) : options_(options) {}
 
   /// Knots whose gradient moves() wants to see: 1, all others: 0.
-  std::vector<std::uint8_t> awake(const mesh::KnotMesh& mesh) const;
+  /// @param resting by knot, 1 where the picture does not change: once settled, such a knot sleeps on.
+  std::vector<std::uint8_t> awake(const mesh::KnotMesh& mesh, std::span<const std::uint8_t> resting) const;
 
   /// @param gradient of the squared error by knot. @param error the squared error, of the whole picture.
   /// @return moves by knot, pixels.
@@ -39,7 +41,8 @@ class Settling {
   struct Step {
     double length = 0;
     Vec2 direction;
-    int nap = 0;  ///< times left
+    int nap = 0;           ///< times left
+    bool settled = false;  ///< it has not moved since its last nap
   };
   SettleOptions options_;
   std::unordered_map<std::uint32_t, Step> steps_;

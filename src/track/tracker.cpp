@@ -53,7 +53,7 @@ const char* to_string(Start start) {
 namespace {
 
 constexpr int kFramesToBend = 16;
-constexpr int kFramesToRest = 8;
+constexpr int kFramesToRest = 4;
 constexpr double kRestToUse = 0.1;  // share of a picture; with less, to look for what is the same costs more
 constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer

@@ -240,7 +240,8 @@ image::Image half_at_rest(int frame) {
           image.at(i, j, c) = still.at(i - 144, std::min(j, 71), c);
           continue;
         }
-        const double inside = std::clamp(12.5 - std::hypot(i - 20 - 1.5 * frame, j - 50), 0.0, 1.0);
+        const double inside =
+            std::clamp(12.5 - std::hypot(i - 20 - 1.5 * std::abs((frame + 40) % 80 - 40), j - 50), 0.0, 1.0);
         image.at(i, j, c) = static_cast<float>(120 + 30 * std::sin(0.05 * i + 0.06 * j) + 80 * inside);
       }
     }
@@ -256,7 +257,7 @@ std::vector<image::Image> halves_at_rest(int frames) {
 
 /// Knots, and what is drawn where no function reaches what moves.
 TEST(Tracker, WhatIsAtRestStaysAsItIs) {
-  const std::vector<image::Image> pictures = halves_at_rest(24);
+  const std::vector<image::Image> pictures = halves_at_rest(80);
   vectorize::Options cold;
   cold.max_control_points = 700;
   cold.mec = 1;
@@ -273,8 +274,8 @@ TEST(Tracker, WhatIsAtRestStaysAsItIs) {
     for (const mesh::Knot& k : model.space->mesh().knots) {
       if (k.position.x > 176) now[static_cast<std::uint32_t>(k.id)] = k.position;
     }
-    if (i >= 14) {
-      EXPECT_EQ(now, knots) << i;
+    if (i >= 52) {  // until then some knots settle
+      EXPECT_TRUE(now == knots) << i;
       std::size_t changed = 0;
       for (int y = 0; y < 96; ++y) {
         for (std::size_t n = std::size_t(y) * 720 + 3 * 212; n < std::size_t(y + 1) * 720; ++n)
@@ -312,7 +313,8 @@ TEST(Tracker, WhatIsKeptIsThatOfTheModel) {
 TEST(Tracker, RestEndsWithTheFirstChange) {
   std::vector<image::Image> pictures = halves_at_rest(15);
   for (int y = 0; y < 96; ++y) {
-    for (int x = 160; x < 240; ++x) pictures.back().at(x, y, 1) *= 0.75F;
+    for (int x = 144; x < 240; ++x)
+      pictures.back().at(x, y, 1) *= 1 - 0.2F * std::clamp(static_cast<float>(x - 144) / 60, 0.0F, 1.0F);
   }
   const std::vector<FrameReport> reports = track(pictures, {}, 1).reports;
   ASSERT_EQ(reports.back().start, Start::kWarm);
