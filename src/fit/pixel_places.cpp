@@ -53,20 +53,20 @@ class Displacements {
   template <class Visit>
   void for_pixels(std::span<const Vec2> places, PlacesOfTile most, Visit&& visit) const {
     const PixelTiles tiles(basis_, width_, height_, places, displaced_);
-    parallel_for(tiles.tile_rows(), [&](std::size_t row) {
-      alignas(64) spline::TileSurface<float> surface;
-      for (std::size_t t = row * tiles.tile_columns(); t < (row + 1) * tiles.tile_columns(); ++t) {
-        if (!known_.tiles.empty() && known_.tiles[t] > most) continue;
-        if (tiles.pieces(t).empty() && tiles.at_centres(t)) continue;
-        spline::surface_of_tile(tiles, t, {control_, 2}, surface);
-        const PixelTiles::Tile tile = tiles.tile(t);
-        for (int y = tile.top; y < tile.bottom; ++y) {
-          auto place = static_cast<std::size_t>((y - tile.top) * PixelTiles::kSide);
-          for (int x = tile.left; x < tile.right; ++x, ++place)
-            visit(x, y, Offset{surface[place], surface[PixelTiles::kTilePixels + place]});
-        }
+    std::vector<std::uint8_t> skipped(tiles.tile_count());
+    for (std::size_t t = 0; t < skipped.size(); ++t) {
+      const bool is_known = !known_.tiles.empty() && known_.tiles[t] > most;
+      skipped[t] = is_known || (tiles.pieces(t).empty() && tiles.at_centres(t)) ? 1 : 0;
+    }
+    const auto visit_tile = [&](std::size_t t, const spline::TileSurface<float>& surface) {
+      const PixelTiles::Tile tile = tiles.tile(t);
+      for (int y = tile.top; y < tile.bottom; ++y) {
+        auto place = static_cast<std::size_t>((y - tile.top) * PixelTiles::kSide);
+        for (int x = tile.left; x < tile.right; ++x, ++place)
+          visit(x, y, Offset{surface[place], surface[PixelTiles::kTilePixels + place]});
       }
-    });
+    };
+    spline::for_surface_tiles<float>(tiles, {control_, 2}, visit_tile, skipped);
   }
 
   /// At the centres, row-major; none where it is not needed.

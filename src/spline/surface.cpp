@@ -61,11 +61,13 @@ template void surface_of_tile(const PixelTiles&, std::size_t, const Control&, Ti
 
 template <class Value>
 void for_surface_tiles(const PixelTiles& tiles, const Control& control,
-                       const std::function<void(std::size_t, const TileSurface<Value>&)>& visit) {
+                       const std::function<void(std::size_t, const TileSurface<Value>&)>& visit,
+                       std::span<const std::uint8_t> skipped) {
   const std::size_t columns = tiles.tile_columns();
   parallel_for(tiles.tile_rows(), [&](std::size_t row) {
     alignas(64) TileSurface<Value> surface;
     for (std::size_t t = row * columns; t < (row + 1) * columns; ++t) {
+      if (!skipped.empty() && skipped[t]) continue;
       surface_of_tile(tiles, t, control, surface);
       visit(t, surface);
     }
@@ -73,22 +75,28 @@ void for_surface_tiles(const PixelTiles& tiles, const Control& control,
 }
 
 template void for_surface_tiles(const PixelTiles&, const Control&,
-                                const std::function<void(std::size_t, const TileSurface<double>&)>&);
+                                const std::function<void(std::size_t, const TileSurface<double>&)>&,
+                                std::span<const std::uint8_t>);
 template void for_surface_tiles(const PixelTiles&, const Control&,
-                                const std::function<void(std::size_t, const TileSurface<float>&)>&);
+                                const std::function<void(std::size_t, const TileSurface<float>&)>&,
+                                std::span<const std::uint8_t>);
 
 template <class Value>
-void surface_at_pixels(const PixelTiles& tiles, const Control& control, std::span<Value> out) {
+void surface_at_pixels(const PixelTiles& tiles, const Control& control, std::span<Value> out,
+                       std::span<const std::uint8_t> skipped) {
   const auto channels = static_cast<std::size_t>(control.channels);
-  for_surface_tiles<Value>(tiles, control, [&](std::size_t t, const auto& surface) {
+  const auto store = [&](std::size_t t, const TileSurface<Value>& surface) {
     tiles.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
       for (std::size_t c = 0; c < channels; ++c) out[pixel * channels + c] = surface[c * kPixels + place];
     });
-  });
+  };
+  for_surface_tiles<Value>(tiles, control, store, skipped);
 }
 
-template void surface_at_pixels(const PixelTiles&, const Control&, std::span<double>);
-template void surface_at_pixels(const PixelTiles&, const Control&, std::span<float>);
+template void surface_at_pixels(const PixelTiles&, const Control&, std::span<double>,
+                                std::span<const std::uint8_t>);
+template void surface_at_pixels(const PixelTiles&, const Control&, std::span<float>,
+                                std::span<const std::uint8_t>);
 
 void surface_at_points(const Basis& basis, const Control& control, std::span<const Vec2> points,
                        std::span<double> out) {

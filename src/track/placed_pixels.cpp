@@ -46,27 +46,10 @@ std::shared_ptr<const spline::PixelSurface> surface_at(const PlacedPixels& pixel
                                                        const spline::PixelSurface* before) {
   auto surface = std::make_shared<spline::PixelSurface>();
   surface->basis = pixels.placed->basis();
-  std::vector<float>& colours = surface->colours;
-  colours.resize(pixels.picture.samples.size());
-  const spline::PixelValues& values = pixels.placed->values();
-  const spline::Control points{control, pixels.picture.channels};
-  if (kept.empty()) {
-    spline::surface_at_pixels<float>(values, points, colours);
-    return surface;
-  }
-  const auto channels = static_cast<std::size_t>(points.channels);
-  parallel_for(values.tile_rows(), [&](std::size_t row) {
-    alignas(64) spline::TileSurface<float> drawn;
-    for (std::size_t t = row * values.tile_columns(); t < (row + 1) * values.tile_columns(); ++t) {
-      if (!kept[t]) spline::surface_of_tile(values, t, points, drawn);
-      values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
-        for (std::size_t c = 0; c < channels; ++c) {
-          const std::size_t i = pixel * channels + c;
-          colours[i] = kept[t] ? before->colours[i] : drawn[c * spline::PixelTiles::kTilePixels + place];
-        }
-      });
-    }
-  });
+  if (!kept.empty()) surface->colours = before->colours;
+  surface->colours.resize(pixels.picture.samples.size());
+  spline::surface_at_pixels<float>(pixels.placed->values(), {control, pixels.picture.channels},
+                                   surface->colours, kept);
   return surface;
 }
 

@@ -97,8 +97,8 @@ FittedFrame handed_over(FittedFrame& frame) {
   next.displacement = frame.displacement;
   next.edge_softness = frame.edge_softness;
   FittedFrame before = std::exchange(frame, std::move(next));
+  before.basis.reset();
   if (before.prints.empty()) {  // nobody will look for what is the same
-    before.basis.reset();
     before.surface.reset();
     before.seen.placed.reset();
     before.seen.picture = {};

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <functional>
 #include <span>
 
@@ -30,13 +31,17 @@ void surface_of_tile(const PixelTiles& tiles, std::size_t tile, const Control& c
                      TileSurface<Value>& out);
 
 /// The same for all tiles: calls visit(index of the tile, surface), in any order, on all threads allowed.
+/// @param skipped by tile: 1 for those that are left out; or none.
 template <class Value>
 void for_surface_tiles(const PixelTiles& tiles, const Control& control,
-                       const std::function<void(std::size_t, const TileSurface<Value>&)>& visit);
+                       const std::function<void(std::size_t, const TileSurface<Value>&)>& visit,
+                       std::span<const std::uint8_t> skipped = {});
 
-/// The same for the whole picture. @param out row-major, channels interleaved.
+/// The same for the whole picture. @param out row-major, channels interleaved; stays as it is where tiles are
+/// skipped.
 template <class Value>
-void surface_at_pixels(const PixelTiles& tiles, const Control& control, std::span<Value> out);
+void surface_at_pixels(const PixelTiles& tiles, const Control& control, std::span<Value> out,
+                       std::span<const std::uint8_t> skipped = {});
 
 /// The surface at any points of the closed domain, on all threads allowed; where a side must be chosen, as
 /// Basis::evaluate() does. @param out point by point, channels interleaved.
