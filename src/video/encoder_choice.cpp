@@ -194,6 +194,13 @@ void set_named_preset(const AVCodec& encoder, Options& dictionary, const std::st
   dictionary.set("preset", preset);
 }
 
+/// Sums of x264's lookahead read memory that was never written, if they use AVX-512: another stream each
+/// time.
+void keep_repeatable(Options& dictionary) {
+  if ((av_get_cpu_flags() & AV_CPU_FLAG_AVX512) == 0) return;
+  dictionary.set("x264-params", "asm=sse2fast,lzcnt,avx2,bmi2,fma3");
+}
+
 }  // namespace
 
 const AVCodec* choose_encoder(const std::string& codec, const AVOutputFormat& container) {
@@ -242,6 +249,7 @@ void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOption
   if (vpx) dictionary.set("cpu-used", options.preset.empty() ? "2" : options.preset);
   if (aom || name == "libvpx-vp9") dictionary.set("row-mt", "1");
   if (name == "libx264" && options.preset.empty()) dictionary.set("preset", kX264Preset);
+  if (name == "libx264") keep_repeatable(dictionary);
   if (!aom && !vpx && !options.preset.empty()) set_named_preset(*encoder.codec, dictionary, options.preset);
   if (name == "libx265") {
     const std::string pools = options.threads > 0 ? ":pools=" + std::to_string(options.threads) : "";

@@ -1,5 +1,6 @@
 #include <fcntl.h>
 #include <gtest/gtest.h>
+#include <malloc.h>
 #include <unistd.h>
 
 #include <filesystem>
@@ -116,6 +117,27 @@ TEST(Outputs, HashesTellSamplesAndTimesApart) {
   EXPECT_EQ(digest_of(other), digest);
   other.info.depth = 10;
   EXPECT_NE(digest_of(other), digest);
+}
+
+/// Of an encoder, with another pattern in all memory that comes from malloc() each time.
+std::string stream_in_dirty_memory(const std::string& path, const ClipSpec& clip, int pattern) {
+  ::mallopt(M_PERTURB, pattern);
+  WriteOptions options;
+  options.threads = 1;
+  write_clip(path, clip, options);
+  ::mallopt(M_PERTURB, 0);
+  return read_text(path);
+}
+
+TEST(Outputs, StreamsDoNotDependOnOldMemory) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(320, 180, 3, 50);
+  for (std::size_t i = 0; i < clip.images.size(); i += 3)  // something to look ahead for
+    clip.images[i] = test::random_picture(320, 180, 3, unsigned(i));
+  const std::string stream = stream_in_dirty_memory(dir / "a.h264", clip, 0x5A);
+  EXPECT_GT(stream.size(), 1000u);
+  for (const int pattern : {1, 0xA5, 0xFF})
+    EXPECT_EQ(stream_in_dirty_memory(dir / "a.h264", clip, pattern), stream) << pattern;
 }
 
 TEST(Outputs, NumberedPictures) {
