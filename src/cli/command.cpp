@@ -18,8 +18,9 @@ CLI::Validator within(double low, double high) {
 
 void add_threads_option(CLI::App& command, int& threads) {
   command
-      .add_option("--threads", threads,
-                  "Most threads to use, up to 1024; 0: one per core. Pictures and documents\ndo not depend on it")
+      .add_option(
+          "--threads", threads,
+          "Most threads to use, up to 1024; 0: one per core. Pictures and documents\ndo not depend on it")
       ->check(CLI::Range(0, 1024).description(""))
       ->type_name("N")
       ->capture_default_str();

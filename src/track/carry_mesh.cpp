@@ -91,12 +91,18 @@ class Carrier {
     return height_over_longest(at(v[0]), at(v[1]), at(v[2]));
   }
 
+  /// Whether a face may be mended by taking its i-th knot away. Two others that are too close go on being so:
+  /// one knot after the other would be taken away around them.
+  bool is_of_use(const mesh::Face& v, std::size_t i) const {
+    return mesh_.knot(v[i]).kind == KnotKind::kFree &&
+           norm(targets_[v[(i + 1) % 3]] - targets_[v[(i + 2) % 3]]) >= least_;
+  }
+
   /// Too flat after the move; what is flatter already may stay as it is.
   bool is_bad(const mesh::Face& v) const {
     const double after = height(v, true);
     if (after >= least_) return false;
-    const bool mendable =
-        std::any_of(v.begin(), v.end(), [&](KnotIndex k) { return mesh_.knot(k).kind == KnotKind::kFree; });
+    const bool mendable = is_of_use(v, 0) || is_of_use(v, 1) || is_of_use(v, 2);
     if (!mendable && after >= kThinnest) return false;
     const bool still =
         std::all_of(v.begin(), v.end(), [&](KnotIndex k) { return targets_[k] == mesh_.position(k); });
@@ -172,8 +178,9 @@ class Carrier {
   /// @param touched gets the faces that take its place, and maybe others.
   bool remove_from(FaceIndex f, std::vector<FaceIndex>& touched) {
     std::vector<std::pair<double, KnotIndex>> candidates;
-    for (const KnotIndex k : mesh_.face(f)) {
-      if (mesh_.knot(k).kind == KnotKind::kFree) candidates.emplace_back(-deviation(k), k);
+    const mesh::Face& v = mesh_.face(f);
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (is_of_use(v, i)) candidates.emplace_back(-deviation(v[i]), v[i]);
     }
     std::sort(candidates.begin(), candidates.end());
     return std::any_of(candidates.begin(), candidates.end(),

@@ -84,6 +84,26 @@ TEST(CarryMesh, KnotsGoWhereTheyShould) {
   }
 }
 
+TEST(CarryMesh, EndsOfFeaturesThatComeCloseTakeNoKnotsAway) {
+  testing::MeshBuilder builder(400, 300);
+  const auto upper = builder.vertex(200, 149.6), lower = builder.vertex(200, 150.3);
+  builder.segment(builder.vertex(200, 80), upper, 1);
+  builder.segment(lower, builder.vertex(200, 220), 1);
+  for (int y = 20; y < 300; y += 20) {
+    for (int x = 30; x < 400; x += 20) builder.free(x, y);
+  }
+  const KnotMesh mesh = builder.triangulated();
+  std::vector<Vec2> motion(mesh.knots.size());
+  motion[upper] = {0, 0.17};  // no removal moves the two apart
+  motion[lower] = {0, -0.17};
+  CarryReport report;
+  const KnotMesh carried = carry_mesh(mesh, knot_targets(mesh, motion), {}, {}, &report);
+  EXPECT_EQ(mesh::find_defect(carried), std::nullopt);
+  EXPECT_EQ(report.removed, 0U);
+  EXPECT_EQ(report.held, 0U);
+  EXPECT_EQ(report.moved, 4U);  // with those inside the segments
+}
+
 /// Many free knots, 8 px apart or so.
 KnotMesh fine_mesh(std::mt19937& random) {
   std::uniform_real_distribution<double> apart(-3, 3);
