@@ -1,5 +1,7 @@
 #include "pipeline/failure.h"
 
+#include <new>
+
 #include "knotreel/base/error.h"
 #include "knotreel/base/output_file.h"
 
@@ -21,6 +23,10 @@ void FirstFailure::rethrow() const {
     throw BrokenPipe(e.kind(), where_ + e.what());
   } catch (const Error& e) {
     throw Error(e.kind(), where_ + e.what());
+  } catch (const std::bad_alloc&) {
+    throw Error(ErrorKind::kInternal, where_ + "not enough memory");
+  } catch (const std::exception& e) {
+    throw Error(ErrorKind::kInternal, where_ + "internal error: " + e.what());
   }
 }
 

@@ -117,18 +117,26 @@ int Demuxer::other_videos() const {
   return count;
 }
 
+/// YUV4MPEG has frames and nothing else, and libav drops a last one that is not whole.
+bool Demuxer::ends_in_a_frame() const {
+  return std::string_view(format_->iformat->name) == "yuv4mpegpipe" && packets_end_ > 0 &&
+         avio_tell(format_->pb) > packets_end_;
+}
+
 PacketPtr Demuxer::read(std::string& why) {
   PacketPtr packet = new_packet();
   for (;;) {
     const int result = av_read_frame(format_.get(), packet.get());
     if (result == AVERROR(EAGAIN)) continue;
     if (result < 0) {
-      const bool broken = result != AVERROR_EOF || (format_->pb != nullptr && format_->pb->error < 0);
+      const bool broken =
+          result != AVERROR_EOF || (format_->pb != nullptr && format_->pb->error < 0) || ends_in_a_frame();
       if (broken)
         why = result == AVERROR_INVALIDDATA || result == AVERROR_EOF ? "cut short or damaged"
                                                                      : error_text(result);
       return {};
     }
+    if (packet->pos >= 0) packets_end_ = packet->pos + packet->size;
     // Streams may turn up late, when everything has been set up without them.
     if (packet->stream_index == video_ || copied(packet->stream_index)) return packet;
     av_packet_unref(packet.get());

@@ -37,10 +37,12 @@ class Demuxer {
   void open(const std::string& input, const ReadOptions& options);
   void choose_video();
   void discard_others();
+  bool ends_in_a_frame() const;
 
   std::string cannot_read_, name_;
   std::unique_ptr<AVFormatContext, Closer> format_;
   int video_ = -1;
+  std::int64_t packets_end_ = 0;  ///< of those read so far, bytes
   bool copy_ = false;
 };
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <charconv>
 #include <vector>
 
 #include "colour_rules.h"
@@ -178,6 +179,13 @@ AVPixelFormat named_format(const AVCodec& encoder, const StreamInfo& frames,
                                                std::to_string(frames.height) + "; there are " + names);
 }
 
+/// In the form of the C locale, whatever the program that uses this has set.
+std::string number_text(double value) {
+  std::array<char, 32> text;
+  const auto end = std::to_chars(text.data(), text.data() + text.size(), value).ptr;
+  return {text.data(), end};
+}
+
 /// x264 prints before it refuses a preset, so it is not asked.
 void set_named_preset(const AVCodec& encoder, Options& dictionary, const std::string& preset) {
   static constexpr std::array kPresets = {"ultrafast", "superfast", "veryfast", "faster",   "fast",
@@ -239,7 +247,7 @@ void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOption
   } else if (is_scaled(name)) {
     set_scale(encoder, crf < 0 ? kScale : crf);
   } else if (crf >= 0) {
-    dictionary.set("crf", std::to_string(crf));
+    dictionary.set("crf", number_text(crf));
   }
   // Constant quality, not a rate, is what these two do only at a rate of zero.
   if (name == "libvpx-vp9" || name == "libaom-av1") encoder.bit_rate = 0;

@@ -8,6 +8,8 @@ extern "C" {
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
+#include <utility>
 #include <vector>
 
 #include "colour_rules.h"
@@ -69,6 +71,8 @@ image::Image taken_over(const AVFrame& frame, int channels) {
       const std::span<float> row = image.row(y);
       for (int x = 0; x < frame.width; ++x) {
         const float value = stored_value(line[std::size_t(x)], is_float) * scale.factor + scale.offset;
+        if (is_float && !std::isfinite(value))
+          throw Error(ErrorKind::kInput, "a frame holds samples that are not finite");
         row[std::size_t(x * channels + c)] = inverted ? 255 - value : value;
       }
     }
@@ -190,6 +194,7 @@ void FrameToImage::prepare(const AVFrame& frame, const AVFrame& target) {
   set_number(scaler_, "dst_range", 0);
   set_chroma_place(scaler_, descriptor(frame), frame.chroma_location);
   if (sws_init_context(scaler_, nullptr, nullptr) >= 0) return;
+  sws_freeContext(std::exchange(scaler_, nullptr));  // not to be taken for one that is ready
   throw Error(ErrorKind::kInput,
               std::string("frames of pixel format ") + descriptor(frame).name + " cannot be converted");
 }
@@ -203,7 +208,9 @@ FramePtr FrameToImage::interpolated(const AVFrame& frame) {
   const AVPixelFormat format = has_alpha(descriptor(frame)) ? AV_PIX_FMT_YUVA444P16 : AV_PIX_FMT_YUV444P16;
   FramePtr target = blank(format, whole ? source.width : width_, whole ? source.height : height_);
   prepare(source, *target);
-  sws_scale(scaler_, source.data, source.linesize, 0, source.height, target->data, target->linesize);
+  const int rows =
+      sws_scale(scaler_, source.data, source.linesize, 0, source.height, target->data, target->linesize);
+  if (rows != target->height) throw Error(ErrorKind::kInput, "a frame cannot be converted");
   return target;
 }
 

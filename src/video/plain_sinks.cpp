@@ -2,6 +2,7 @@
 #include <bit>
 #include <cmath>
 #include <filesystem>
+#include <optional>
 #include <vector>
 
 extern "C" {
@@ -96,20 +97,28 @@ class PictureSink : public Sink {
 
   void write(const image::Image& image, std::int64_t, std::int64_t) override {
     const auto pattern = number_pattern(output_.string());
-    if (!pattern && written_ > 0) {
+    if (!pattern && written_ == 0) {
+      only_ = image;  // there might come another one, and then nothing is to be replaced
+      ++written_;
+      return;
+    }
+    if (!pattern) {
       throw Error(ErrorKind::kInvalidArgument,
                   "'" + output_.string() + "' holds one frame; for more, use a name such as frame_%04d" +
                       output_.extension().string());
     }
     ++written_;
-    image::write_image(pattern ? output_.parent_path() / pattern->name(written_) : output_, image, samples_);
+    image::write_image(output_.parent_path() / pattern->name(written_), image, samples_);
   }
-  void finish() override {}
+  void finish() override {
+    if (only_) image::write_image(output_, *only_, samples_);
+  }
 
  private:
   std::filesystem::path output_;
   image::SampleType samples_;
   std::uint64_t written_ = 0;
+  std::optional<image::Image> only_;  ///< frame of a plain name
 };
 
 }  // namespace

@@ -50,6 +50,23 @@ TEST(Damage, MatroskaWithoutItsEndGivesWhatIsThere) {
   EXPECT_EQ(kind_of([&] { read_clip(dir / "b.mkv", strict); }), ErrorKind::kInput);
 }
 
+/// It tells of no length, and libav says nothing.
+TEST(Damage, YuvCutInsideAFrameIsTold) {
+  const TempDir dir;
+  write_clip(dir / "a.y4m", moving_pattern(64, 48, 3, 12));
+  EXPECT_TRUE(read_clip(dir / "a.y4m").warnings.empty());
+  const std::string bytes = read_text(dir / "a.y4m");
+  ReadOptions strict;
+  strict.strict = true;
+  for (const std::size_t part : {bytes.size() / 2, bytes.size() - 1}) {
+    write_text(dir / "b.y4m", bytes.substr(0, part));
+    const WholeClip clip = read_clip(dir / "b.y4m");
+    EXPECT_EQ(clip.frames.size(), part == bytes.size() - 1 ? 11u : 5u);
+    EXPECT_EQ(clip.warnings, std::vector<std::string>{"the input ends early: cut short or damaged"});
+    EXPECT_EQ(kind_of([&] { read_clip(dir / "b.y4m", strict); }), ErrorKind::kInput);
+  }
+}
+
 TEST(Damage, IsCountedAndStrictlyAnError) {
   const TempDir dir;
   write_clip(dir / "a.mp4", moving_pattern(320, 240, 3, 20), with_codec("h264"));

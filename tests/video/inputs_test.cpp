@@ -196,6 +196,19 @@ TEST(Inputs, SemiPlanarAndPackedPixelsAreThoseOfPlanarOnes) {
   }
 }
 
+TEST(Inputs, SamplesThatAreNoNumbersAreRefused) {
+  const TempDir dir;
+  std::vector<float> samples(16 * 8, 0.5F);
+  const auto picture = [&] {
+    return raw_picture(dir, {reinterpret_cast<const char*>(samples.data()), 4 * samples.size()}, "grayf32le");
+  };
+  EXPECT_NEAR(picture().samples[77], 127.5, 1e-3);
+  for (const float bad : {NAN, INFINITY, -INFINITY}) {
+    samples[77] = bad;
+    EXPECT_EQ(kind_of([&] { picture(); }), ErrorKind::kInput) << bad;
+  }
+}
+
 TEST(Inputs, MosaicsOfSensorsAreInColour) {
   const TempDir dir;
   for (const bool deep : {false, true}) {

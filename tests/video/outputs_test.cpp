@@ -155,8 +155,10 @@ TEST(Outputs, OnePictureHoldsOneFrame) {
   const TempDir dir;
   write_clip(dir / "a.png", moving_pattern(16, 8, 3, 1));
   EXPECT_EQ(image::read_image(dir / "a.png").width, 16);
+  write_text(dir / "b.png", "old");
   EXPECT_EQ(kind_of([&] { write_clip(dir / "b.png", moving_pattern(16, 8, 3, 2)); }),
             ErrorKind::kInvalidArgument);
+  EXPECT_EQ(read_text(dir / "b.png"), "old");
 }
 
 TEST(Outputs, PipesGetStreamsThatNeedNoSeeking) {
