@@ -1,5 +1,5 @@
+#include <fcntl.h>
 #include <malloc.h>
-
 #include <unistd.h>
 
 #include <algorithm>
@@ -92,7 +92,16 @@ static void keep_freed_memory() {
 #endif
 }
 
+/// A file that is opened would get the number of a standard stream that is closed, and what is meant for that
+/// one would end up in the file. In its place comes one that cannot be written to, respectively read.
+static void open_standard_streams() {
+  for (const int stream : {STDIN_FILENO, STDOUT_FILENO, STDERR_FILENO}) {
+    if (::fcntl(stream, F_GETFD) < 0) ::open("/dev/null", stream == STDIN_FILENO ? O_WRONLY : O_RDONLY);
+  }
+}
+
 int main(int argc, char** argv) {
+  open_standard_streams();
   keep_freed_memory();
   knotreel::cli::install_signal_handlers();
   try {

@@ -251,5 +251,20 @@ TEST(CliBatch, ClipsBecomeVideosAndResumeSkipsThem) {
   EXPECT_NE(read_text(out + "/manifest.jsonl").find("skipped"), std::string::npos);
 }
 
+/// The first file that is opened would get the number of standard output.
+TEST(Batch, AClosedStandardOutputIsNotTheManifest) {
+  const test::TempDir dir;
+  std::filesystem::create_directory(dir / "in");
+  image::write_image(dir / "in/a.png", test::smooth_picture(32, 20, 3));
+  const std::string command =
+      "cd '" + dir.path().string() + "' && exec '" + KNOTREEL_PROGRAM + "' batch in -o out >&-";
+  EXPECT_NE(test::run({"/bin/sh", "-c", command}).exit_code, 0);
+  std::istringstream manifest(test::read_text(dir / "out" / "manifest.jsonl"));
+  int lines = 0;
+  for (std::string line; std::getline(manifest, line); ++lines)
+    EXPECT_TRUE(nlohmann::json::accept(line)) << line;
+  EXPECT_EQ(lines, 1);
+}
+
 }  // namespace
 }  // namespace knotreel
