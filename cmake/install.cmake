@@ -1,5 +1,4 @@
 # Library, headers, program, and what find_package(knotreel) and pkg-config need to know.
-include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 get_property(modules GLOBAL PROPERTY KNOTREEL_MODULES)
