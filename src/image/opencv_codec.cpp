@@ -5,8 +5,8 @@
 #include "probe.h"
 #include "quiet.h"
 
-// The only file that knows OpenCV. See docs/decisions/0002-png-and-pnm-without-opencv.md for what is not
-// here.
+// The only file of this module that knows OpenCV; what is not here:
+// docs/decisions/0002-png-and-pnm-without-opencv.md.
 namespace knotreel::image {
 namespace {
 

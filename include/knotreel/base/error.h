@@ -5,7 +5,7 @@
 
 namespace knotreel {
 
-/// What went wrong, in the classes that decide the exit code of the program (docs/exit-codes in README).
+/// What went wrong, in the classes that decide the exit code of the program (README).
 enum class ErrorKind {
   kInvalidArgument,  ///< a function or the program was called wrongly (exit 2 from the command line)
   kInput,            ///< an input cannot be read, is corrupt, or is of an unknown kind or version (exit 3)

@@ -21,8 +21,7 @@ struct RefineOptions {
 /// are found, and the largest sums over all clusters come first.
 /// @param squared_errors per pixel, row-major, as large as the target's picture.
 /// @param places         of the pixels in the domain; empty: their centres.
-/// @return the knots inserted. Connectivity is Delaunay only around them, where flips may undo earlier
-/// choices.
+/// @return the knots inserted. The mesh is not made Delaunay around them.
 std::vector<mesh::KnotIndex> refine_knots(mesh::EditableMesh& mesh, std::span<const float> squared_errors,
                                           std::span<const Vec2> places, int width, int height,
                                           const RefineOptions& options);
