@@ -28,18 +28,12 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// A frame of a video has less to give than a photograph: its colours are coarser, and the frame before
-/// tells most of it.
-constexpr double kShareOfPixels = 0.02;
-constexpr std::size_t kLeastControlPoints = 256;
 constexpr std::size_t kStartBytes = 16;  // of a pipe: tell a picture, and nobody waits for more
 
 vectorize::Options cold_options(const VideoRun& run, std::uint64_t pixels) {
   VectorizeOptions given = run.options;
-  if (!given.max_control_points) {
-    const auto share = static_cast<std::size_t>(kShareOfPixels * static_cast<double>(pixels));
-    given.max_control_points = std::to_string(std::max(kLeastControlPoints, share));
-  }
+  if (!given.max_control_points)
+    given.max_control_points = std::to_string(vectorize::default_video_control_points(pixels));
   return vectorize::video_options(effective_options(given, pixels));
 }
 

@@ -8,6 +8,10 @@ std::size_t default_control_points(std::uint64_t pixels) {
   return std::max<std::size_t>(256, static_cast<std::size_t>(0.0275 * static_cast<double>(pixels)));
 }
 
+std::size_t default_video_control_points(std::uint64_t pixels) {
+  return std::max<std::size_t>(256, static_cast<std::size_t>(0.02 * static_cast<double>(pixels)));
+}
+
 std::size_t most_control_points(const Options& options, std::uint64_t pixels) {
   return options.max_control_points > 0 ? options.max_control_points : default_control_points(pixels);
 }

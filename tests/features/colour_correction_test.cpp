@@ -125,8 +125,10 @@ TEST(ColourCorrection, BothSidesOfABlurredEdgeComeNearerToTheirColours) {
 TEST(ColourCorrection, OnlyTheOneRingChanges) {
   const image::Image image = testing::disc(40, 20, 20, 9);
   const FeatureChains chains = detect_features(image);
+  ASSERT_FALSE(chains.chains.empty());
   const auto feature = testing::pixels_of(chains);
   const image::Image corrected = correct_colours(image, chains);
+  EXPECT_GT(test::largest_difference(corrected, image), 1);
   for (int y = 0; y < 40; ++y) {
     for (int x = 0; x < 40; ++x) {
       bool beside = false;

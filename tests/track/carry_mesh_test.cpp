@@ -68,6 +68,7 @@ TEST(CarryMesh, AnyMotionGivesASoundMesh) {
 }
 
 TEST(CarryMesh, KnotsGoWhereTheyShould) {
+  int unhindered = 0;
   for (const auto& c : testing::random_cases(13, 20)) {
     const std::vector<Vec2> targets = knot_targets(c.mesh, whirl(c.mesh, 0.2, 1));
     const auto wanted = by_id(c.mesh, targets);
@@ -80,8 +81,10 @@ TEST(CarryMesh, KnotsGoWhereTheyShould) {
     // Slowed ends take the knots between them along.
     if (report.held == 0 && report.segments_dropped == 0) {
       EXPECT_EQ(elsewhere, 0U) << c.name;
+      ++unhindered;
     }
   }
+  EXPECT_GE(unhindered, 10);
 }
 
 TEST(CarryMesh, EndsOfFeaturesThatComeCloseTakeNoKnotsAway) {

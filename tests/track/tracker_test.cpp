@@ -439,7 +439,10 @@ TEST(Tracker, AGroupDoesNotKnowWhatCameBefore) {
   for (std::size_t i = 0; i < scene.size(); ++i) {
     std::unique_ptr<Motion> motion;
     if (i > 0) motion = std::make_unique<Motion>(motion_between(scene[i - 1], scene[i]));
-    EXPECT_EQ(used.next(scene[i], motion.get()).colour, fresh.next(scene[i], motion.get()).colour) << i;
+    const document::FrameModel a = used.next(scene[i], motion.get()), b = fresh.next(scene[i], motion.get());
+    EXPECT_EQ(a.colour, b.colour) << i;
+    EXPECT_EQ(a.displacement, b.displacement) << i;
+    EXPECT_EQ(a.space->mesh().faces, b.space->mesh().faces) << i;
   }
 }
 

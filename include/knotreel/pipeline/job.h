@@ -110,7 +110,7 @@ struct Watch {
 struct Job {
   video::VideoReader* reader = nullptr;  ///< at its start; outlives the run
   std::string source;                    ///< its name, for the document
-  vectorize::Options cold;               ///< of frames that are made from their picture alone
+  vectorize::Options cold;  ///< of frames made from their picture alone: vectorize::video_options()
   track::TrackOptions tracking;
   motion::FlowOptions flow{.turn_back = true};
   std::string document;      ///< file to write, `-` for standard output; empty: the document is not kept

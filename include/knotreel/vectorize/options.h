@@ -61,6 +61,10 @@ struct Options {
 /// raw_accounting_bytes().
 std::size_t default_control_points(std::uint64_t pixels);
 
+/// 2 % of the pixels, but at least 256, of a frame of a video: it has less to give than a photograph, since
+/// its colours are coarser, and the frame before tells most of it.
+std::size_t default_video_control_points(std::uint64_t pixels);
+
 /// Those that a model may have at most: what the options say, or as many as by default.
 std::size_t most_control_points(const Options& options, std::uint64_t pixels);
 
@@ -69,6 +73,7 @@ Options preset_options(Preset preset);
 
 /// Those of a picture made fit for the frames of a video: with fewer control points per pixel and edges
 /// blurred by lossy codecs, all but the strongest features cost more than they bring (docs/decisions/0017).
+/// The program takes these, with default_video_control_points() as the bound if none is given.
 Options video_options(Options picture);
 
 }  // namespace knotreel::vectorize
