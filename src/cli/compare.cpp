@@ -4,6 +4,7 @@
 
 #include "cli/command.h"
 #include "cli/compare_videos.h"
+#include "cli/distinct_paths.h"
 #include "cli/frame_source.h"
 #include "cli/metrics_report.h"
 #include "cli/pictures.h"
@@ -44,6 +45,7 @@ void compare_pictures(const Arguments& arguments) {
 }
 
 void compare(const Arguments& arguments) {
+  check_paths({arguments.a, arguments.b}, {{arguments.stats}});
   const bool videos = !arguments.one_frame && (has_frames(arguments.a) || has_frames(arguments.b));
   if (videos) {
     compare_videos({arguments.a, arguments.b, arguments.stats, arguments.json, arguments.threads});

@@ -7,6 +7,7 @@
 #include <regex>
 
 #include "cli/command.h"
+#include "cli/distinct_paths.h"
 #include "cli/interrupt.h"
 #include "cli/output_size.h"
 #include "cli/pictures.h"
@@ -89,12 +90,18 @@ nlohmann::ordered_json head_json(const RenderVideo& arguments, const pipeline::R
           {"threads", arguments.threads}};
 }
 
+std::vector<Output> outputs_of(const RenderVideo& arguments) {
+  const bool digest = arguments.format == "hash";
+  return {digest ? Output{"-"} : video_output(arguments.output, arguments.format),
+          {arguments.stats},
+          {arguments.progress}};
+}
+
 void tell(const RenderVideo& arguments, const pipeline::Summary& summary) {
   for (const std::string& line : summary.warnings) warn(line);
   if (arguments.format == "hash") {
     write_text("-", summary.digest + "\n");
-  } else if ((arguments.output != "-" || arguments.format == "null") && arguments.progress != "-" &&
-             arguments.stats != "-") {
+  } else if (!uses_standard_output(outputs_of(arguments))) {
     const bool nowhere = arguments.format == "null";
     write_text("-", summary_text(nowhere ? arguments.format : arguments.output, summary));
   }
@@ -160,6 +167,7 @@ bool is_video_output(const std::string& output, const std::string& format) {
 
 void render_video(const RenderVideo& arguments) {
   check_copied(arguments);
+  check_paths({arguments.input, arguments.copied}, outputs_of(arguments));
   const ThreadCap cap(arguments.threads);
   document::Reader reader = open_document(arguments.input);
   if (!reader.complete()) warn("'" + arguments.input + "' is cut short: read up to its last whole frame");

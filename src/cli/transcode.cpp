@@ -22,10 +22,11 @@ void transcode(Arguments& arguments) {
   const std::string output = run.video.path.empty() ? "-" : run.video.path;
   run.video.path = nowhere ? arguments.format : output;  // these write no file
   run.video.options = write_options(arguments.encoding, arguments.format, run.threads);
+  if (arguments.format == "hash") run.digest = output;
   const pipeline::Summary summary = run_video(run);
-  if (arguments.format == "hash") {
-    write_text(output, summary.digest + "\n");
-  } else if ((nowhere || output != "-") && run.document != "-" && run.stats != "-" && run.progress != "-") {
+  if (!run.digest.empty()) {
+    write_text(run.digest, summary.digest + "\n");
+  } else if (!uses_standard_output(outputs_of(run))) {
     write_text("-", summary_text(run.video.path, summary));
   }
   check_stopped(summary);

@@ -1,11 +1,13 @@
 #include <fmt/core.h>
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "cli/command.h"
 #include "cli/debug/debug_pictures.h"
+#include "cli/distinct_paths.h"
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
 #include "cli/pictures.h"
@@ -70,11 +72,16 @@ vectorize::Vectorization run(const image::Image& image, const vectorize::Options
   });
 }
 
+std::vector<Output> outputs_of(const Arguments& arguments) {
+  std::vector<Output> outputs{{arguments.output}, {arguments.stats}};
+  if (!arguments.debug_dir.empty()) {
+    outputs.push_back({(std::filesystem::path(arguments.debug_dir) / "[0-9][0-9]-*.png").string(), true});
+  }
+  return outputs;
+}
+
 /// Better to fail now than after the work.
 void probe_outputs(const Arguments& arguments) {
-  if (arguments.output == "-" && arguments.stats == "-") {
-    throw Error(ErrorKind::kInvalidArgument, "--output and --stats cannot both be standard output");
-  }
   { const OutputFile probe(arguments.output); }
   if (!arguments.stats.empty()) {
     const OutputFile probe(arguments.stats);
@@ -109,6 +116,7 @@ nlohmann::ordered_json stats_json(const Arguments& arguments, const image::Image
 }
 
 void vectorize_picture(const Arguments& arguments) {
+  check_paths({arguments.input}, outputs_of(arguments));
   const ThreadCap cap(arguments.threads);
   StageTimer timer;
   image::ImageFileInfo source;
@@ -142,7 +150,7 @@ void vectorize_picture(const Arguments& arguments) {
     write_text(arguments.stats,
                stats.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
   }
-  if (arguments.stats != "-" && arguments.output != "-") {
+  if (!uses_standard_output(outputs_of(arguments))) {
     const auto& space = *document.model.space;
     write_text("-", fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}\n", arguments.output,
                                 space.mesh().knots.size(), space.function_count(), document.bytes.size(),

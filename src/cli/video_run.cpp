@@ -64,12 +64,6 @@ void warn_all(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) warn(line);
 }
 
-void check_standard_output(const VideoRun& run) {
-  int uses = 0;
-  for (const std::string& path : {run.document, run.video.path, run.stats, run.progress}) uses += path == "-";
-  if (uses > 1) throw Error(ErrorKind::kInvalidArgument, "only one output can be standard output");
-}
-
 }  // namespace
 
 pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
@@ -113,8 +107,22 @@ bool is_video(const std::string& input, const VideoInputOptions& options) {
   return !extension.empty() && !image::format_of_extension(extension.substr(1));
 }
 
+std::vector<Output> outputs_of(const VideoRun& run) {
+  const auto all_in = [](const std::string& folder, const char* names) {
+    return Output{folder.empty() ? folder : (fs::path(folder) / names).string(), true};
+  };
+  return {{run.document},
+          all_in(run.split_folder, "frame_%06d.tcb"),
+          video_output(run.video.path, run.video.options.container),
+          video_output(run.side_by_side),
+          {run.stats},
+          {run.progress},
+          {run.trace},
+          {run.digest}};
+}
+
 pipeline::Summary run_video(const VideoRun& run) {
-  check_standard_output(run);
+  check_paths({run.input}, outputs_of(run));
   const ThreadCap cap(run.threads);
   video::VideoReader reader = video::VideoReader::open(run.input, read_options(run.reading, run.threads));
   pipeline::Job job = make_job(run, reader);

@@ -11,6 +11,7 @@
 #include "cli/bench/measure.h"
 #include "cli/bench/tables.h"
 #include "cli/command.h"
+#include "cli/distinct_paths.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "cli/video_options.h"
@@ -118,6 +119,7 @@ void measure(const Arguments& arguments) {
 }
 
 void run(const Arguments& arguments) {
+  check_paths(arguments.clips, {{arguments.json}, video_output(arguments.passthrough)});
   if (!arguments.compare.empty()) {
     const Json before = read_result(arguments.compare[0]);
     const Json after = read_result(arguments.compare[1]);
