@@ -80,13 +80,15 @@ std::vector<Output> outputs_of(const Arguments& arguments) {
   return outputs;
 }
 
-/// Better to fail now than after the work.
-void probe_outputs(const Arguments& arguments) {
-  { const OutputFile probe(arguments.output); }
-  if (!arguments.stats.empty()) {
-    const OutputFile probe(arguments.stats);
+/// Opened before the work, since it is better to fail then than after it; and once, since the reader of a
+/// pipe takes the first end for the only one.
+struct OutputFiles {
+  explicit OutputFiles(const Arguments& arguments) : document(arguments.output) {
+    if (!arguments.stats.empty()) stats.emplace(arguments.stats);
   }
-}
+  OutputFile document;
+  std::optional<OutputFile> stats;
+};
 
 /// All that docs/stats.md promises.
 nlohmann::ordered_json stats_json(const Arguments& arguments, const image::Image& image,
@@ -126,7 +128,7 @@ void vectorize_picture(const Arguments& arguments) {
                      arguments.input));
   }
   const vectorize::Options options = effective_options(arguments.options, image.pixel_count());
-  probe_outputs(arguments);
+  OutputFiles files(arguments);
   Watcher watcher(arguments.debug_dir, timer);
   timer.finish("decode");
 
@@ -135,20 +137,19 @@ void vectorize_picture(const Arguments& arguments) {
   timer.finish("vectorize");
 
   const StillDocument document = still_document(image, made.model);
-  OutputFile file(arguments.output);
-  file.write(document.bytes);
-  file.commit();
+  files.document.write(document.bytes);
+  files.document.commit();
   timer.finish("write");
 
   const image::ImageMetrics metrics = image::compare_images(image, render_whole(document.model, {}));
   timer.finish("measure");
   watcher.see_stored(image, document.model);
 
-  if (!arguments.stats.empty()) {
+  if (files.stats) {
     auto stats = stats_json(arguments, image, options, made.report, document, metrics);
     stats["seconds"] = timer.seconds();
-    write_text(arguments.stats,
-               stats.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    files.stats->write(stats.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    files.stats->commit();
   }
   if (!uses_standard_output(outputs_of(arguments))) {
     const auto& space = *document.model.space;

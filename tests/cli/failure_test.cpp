@@ -1,6 +1,11 @@
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
 
 #include "program.h"
 
@@ -119,6 +124,22 @@ TEST(CliOutput, AClosedPipeIsExit4WithoutAWord) {
                      {.close_output_after = 1000});
   EXPECT_EQ(result.exit_code, 4);
   EXPECT_EQ(result.err, "");
+}
+
+TEST(CliOutput, AFifoIsOpenedOnce) {
+  const Sample sample;
+  const std::string fifo = sample.path("fifo");
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const auto run_into = [&](const std::vector<std::string>& command) {
+    auto reader = std::async(std::launch::async, [&] { return read_text(fifo); });
+    expect_success(test::knotreel(command));
+    ::close(::open(fifo.c_str(), O_WRONLY | O_NONBLOCK));  // a program that never came to it
+    return reader.get();
+  };
+  EXPECT_TRUE(run_into({"vectorize", sample.picture, "-o", fifo}) == read_text(sample.document));
+  const std::string stats =
+      run_into({"vectorize", sample.picture, "-o", sample.path("other.tcb"), "--stats", fifo});
+  EXPECT_EQ(nlohmann::json::parse(stats)["file_bytes"], read_text(sample.document).size());
 }
 
 TEST(CliOutput, AFailureKeepsTheOldFile) {
