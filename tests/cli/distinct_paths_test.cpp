@@ -119,6 +119,37 @@ TEST_F(CliDistinctPaths, PicturesAreToldByTheirPatterns) {
                            "--stats", path("n_7")}));
 }
 
+TEST_F(CliDistinctPaths, StandardOutputIsForOne) {
+  for (const Command& command :
+       std::vector<Command>{{"transcode", clip_, "-f", "hash", "--document", "-"},
+                            {"transcode", clip_, "-f", "hash", "--stats", "-"},
+                            {"transcode", clip_, "-f", "hash", "-o", "-", "--progress", "-"},
+                            {"transcode", clip_, "-o", "-", "-f", "matroska", "--side-by-side", "-"},
+                            {"transcode", clip_, "-o", "-", "-f", "matroska", "--document", "-"},
+                            {"vectorize", clip_, "-o", "-", "--progress", "-"},
+                            {"vectorize", picture_, "-o", "-", "--stats", "-"},
+                            {"render", document_, "-o", "-", "-f", "matroska", "--stats", "-"},
+                            {"render", document_, "-o", "-", "-f", "matroska", "--progress", "-"},
+                            {"render", document_, "-o", "x", "-f", "hash", "--stats", "-"},
+                            {"render", document_, "-o", path("o.mkv"), "--stats", "-", "--progress", "-"},
+                            {"bench", clip_, "--json", "-", "--markdown"},
+                            {"bench", clip_, "--passthrough", "-"}}) {
+    expect_refused(command, "only one output can be standard output");
+  }
+  // Nothing is said beside it.
+  const auto stats =
+      knotreel({"transcode", clip_, "-f", "hash", "-o", path("digest"), "--preset", "fast", "--stats", "-"});
+  expect_success(stats);
+  EXPECT_EQ(nlohmann::json::parse(stats.out)["frame_count"], 3);
+  EXPECT_TRUE(read_text(path("digest")).starts_with("sha256:"));
+  const auto drawn = knotreel({"render", document_, "-f", "null", "-o", "x", "--stats", "-"});
+  expect_success(drawn);
+  EXPECT_EQ(nlohmann::json::parse(drawn.out)["frame_count"], 1);
+  const auto bench = knotreel({"bench", clip_, "--threads", "1", "--preset", "fast", "--json", "-"});
+  expect_success(bench);
+  EXPECT_EQ(nlohmann::json::parse(bench.out)["runs"].size(), 1u);
+}
+
 TEST_F(CliDistinctPaths, DevicesMayBeNamedOftenAndFilesReplaced) {
   expect_success(knotreel({"transcode", clip_, "-o", "/dev/null", "-f", "matroska", "--preset", "fast",
                            "--document", "/dev/null", "--stats", "/dev/null", "--progress", "/dev/null"}));
