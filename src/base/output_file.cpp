@@ -25,13 +25,13 @@ fs::path part_name(fs::path target) {
 }
 
 /// @returns a descriptor of a new file, or -1 with errno.
-int create(const fs::path& path) {
+int create(const fs::path& path, mode_t mode) {
   constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
-  const int descriptor = ::open(path.c_str(), kFlags, 0666);
+  const int descriptor = ::open(path.c_str(), kFlags, mode);
   if (descriptor >= 0 || errno != EEXIST) return descriptor;
   // Left by a dead process that had the same id.
   ::unlink(path.c_str());
-  return ::open(path.c_str(), kFlags, 0666);
+  return ::open(path.c_str(), kFlags, mode);
 }
 }  // namespace
 
@@ -55,7 +55,9 @@ OutputFile::OutputFile(const fs::path& path) : name_("'" + path.string() + "'"),
     descriptor_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
     part_ = part_name(target_);
-    descriptor_ = create(part_);
+    descriptor_ = create(part_, exists ? 0600 : 0666);
+    // What replaces a private file is private. Not all file systems know that.
+    if (exists && descriptor_ >= 0) ::fchmod(descriptor_, status.st_mode & 0777);
     seekable_ = true;
   }
   if (descriptor_ < 0) {

@@ -57,6 +57,20 @@ TEST(OutputFile, ReplacesWhatALinkPointsTo) {
   EXPECT_EQ(read_text(dir / "real.txt"), "new");
 }
 
+TEST(OutputFile, KeepsTheModeOfWhatItReplaces) {
+  const TempDir dir;
+  for (const auto mode : {fs::perms(0600), fs::perms(0666), fs::perms(0444)}) {
+    write_text(dir / "a.txt", "old");
+    fs::permissions(dir / "a.txt", mode);
+    OutputFile file(dir / "a.txt");
+    file.write("new");
+    file.commit();
+    EXPECT_EQ(read_text(dir / "a.txt"), "new");
+    EXPECT_EQ(fs::status(dir / "a.txt").permissions(), mode);
+    fs::remove(dir / "a.txt");
+  }
+}
+
 TEST(OutputFile, TwoOfOneNameDoNotMix) {
   const TempDir dir;
   OutputFile first(dir / "a.txt");
