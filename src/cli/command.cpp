@@ -1,8 +1,8 @@
 #include "cli/command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include "cli/standard_error.h"
 #include "knotreel/base/output_file.h"
 
 namespace knotreel::cli {
@@ -18,8 +18,9 @@ CLI::Validator within(double low, double high) {
 
 void add_threads_option(CLI::App& command, int& threads) {
   command
-      .add_option("--threads", threads,
-                  "Most threads to use, up to 1024; 0: one per core. Pictures and documents\ndo not depend on it")
+      .add_option(
+          "--threads", threads,
+          "Most threads to use, up to 1024; 0: one per core. Pictures and documents\ndo not depend on it")
       ->check(CLI::Range(0, 1024).description(""))
       ->type_name("N")
       ->capture_default_str();
@@ -33,8 +34,7 @@ void add_frame_option(CLI::App& command, std::uint64_t& frame, const std::string
 }
 
 void warn(const std::string& message) {
-  const std::string line = "knotreel: warning: " + message + "\n";
-  [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, line.data(), line.size());
+  put_error_line("warning: " + message);
 }
 
 void warn_of(const std::string& path, const std::vector<std::string>& messages) {

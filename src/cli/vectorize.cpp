@@ -11,6 +11,7 @@
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
 #include "cli/pictures.h"
+#include "cli/printable.h"
 #include "cli/progress_line.h"
 #include "cli/stats.h"
 #include "cli/still_document.h"
@@ -153,9 +154,9 @@ void vectorize_picture(const Arguments& arguments) {
   }
   if (!uses_standard_output(outputs_of(arguments))) {
     const auto& space = *document.model.space;
-    write_text("-", fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}\n", arguments.output,
-                                space.mesh().knots.size(), space.function_count(), document.bytes.size(),
-                                psnr_text(metrics.psnr)));
+    write_text("-", fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}\n",
+                                printable(arguments.output), space.mesh().knots.size(),
+                                space.function_count(), document.bytes.size(), psnr_text(metrics.psnr)));
   }
 }
 

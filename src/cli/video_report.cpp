@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "cli/standard_error.h"
 #include "knotreel/base/error.h"
 
 namespace knotreel::cli {
@@ -15,14 +16,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kClearLine = "\r\x1b[K";
 constexpr double kTerminalPause = 0.2;  // seconds
 constexpr double kLogPause = 10;
-
-void put(const std::string& text) {
-  // A line that cannot be shown is no reason to stop.
-  [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, text.data(), text.size());
-}
 
 Json finite(double value) {
   return std::isfinite(value) ? Json(value) : Json(nullptr);
@@ -58,17 +53,17 @@ Json milliseconds_json(const std::vector<std::pair<std::string, double>>& stages
 
 }  // namespace
 
-VideoLine::VideoLine(std::uint64_t frames) : terminal_(::isatty(STDERR_FILENO) == 1), frames_(frames) {}
+VideoLine::VideoLine(std::uint64_t frames) : terminal_(standard_error_is_terminal()), frames_(frames) {}
 
 VideoLine::~VideoLine() {
-  if (terminal_) put(kClearLine);
+  if (terminal_) put_error(kClearLine);
 }
 
 void VideoLine::show(const pipeline::FrameRow& row) {
   if (row.finished_seconds - shown_ < (terminal_ ? kTerminalPause : kLogPause)) return;
   shown_ = row.finished_seconds;
   const std::string text = line_text(row, frames_);
-  put(terminal_ ? kClearLine + text : text + "\n");
+  put_error(terminal_ ? kClearLine + text : text + "\n");
 }
 
 ProgressFile::ProgressFile(const std::string& path, video::Rational time_base)

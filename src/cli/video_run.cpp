@@ -13,6 +13,7 @@
 #include "cli/metrics_report.h"
 #include "cli/output_size.h"
 #include "cli/peak_memory.h"
+#include "cli/printable.h"
 #include "cli/side_by_side.h"
 #include "cli/standard_input.h"
 #include "cli/trace.h"
@@ -152,8 +153,8 @@ pipeline::Summary run_video(const VideoRun& run) {
 
 std::string summary_text(const std::string& output, const pipeline::Summary& s) {
   std::string text =
-      fmt::format("{}: {} frames in {:.1f} s ({:.2f} fps), busy {:.2f} of {} cores", output, s.frames,
-                  s.seconds, s.fps, s.cpu_seconds / s.seconds, std::thread::hardware_concurrency());
+      fmt::format("{}: {} frames in {:.1f} s ({:.2f} fps), busy {:.2f} of {} cores", printable(output),
+                  s.frames, s.seconds, s.fps, s.cpu_seconds / s.seconds, std::thread::hardware_concurrency());
   if (s.keyframes > 0) text += fmt::format(", {} keyframes, PSNR {}", s.keyframes, psnr_text(s.psnr));
   return text + fmt::format(", {:.0f} knots and {:.0f} control points per frame, {} bytes as document\n",
                             s.knots, s.control_points, s.document_bytes);

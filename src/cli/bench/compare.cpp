@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "cli/printable.h"
+
 namespace knotreel::cli::bench {
 namespace {
 
@@ -45,8 +47,9 @@ std::string run_text(const Json& before, const Json& after, double threshold) {
 }  // namespace
 
 Result result_of(const Json& json) {
-  Result result{json.at("commit"), json.at("date"), {}};
-  for (const Json& run : json.at("runs")) result.runs.push_back({name_of(run), run});
+  Result result{
+      printable(json.at("commit").get<std::string>()), printable(json.at("date").get<std::string>()), {}};
+  for (const Json& run : json.at("runs")) result.runs.push_back({printable(name_of(run)), run});
   return result;
 }
 
