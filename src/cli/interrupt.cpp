@@ -7,10 +7,19 @@
 namespace knotreel::cli {
 namespace {
 
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
+
 volatile std::sig_atomic_t signalled = 0;
 
 void on_signal(int) {
   signalled = 1;
+  // Whichever comes next ends the program; what was switched off when it began stays off.
+  for (const int signal : kSignals) {
+    struct sigaction present {};
+    if (sigaction(signal, nullptr, &present) == 0 && present.sa_handler == on_signal) {
+      std::signal(signal, SIG_DFL);
+    }
+  }
 }
 
 }  // namespace
@@ -18,9 +27,9 @@ void on_signal(int) {
 void install_signal_handlers() {
   struct sigaction action {};
   action.sa_handler = on_signal;
-  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+  action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int signal : kSignals) {
     struct sigaction present {};
     // What nohup or a background shell has switched off stays off.
     if (sigaction(signal, nullptr, &present) == 0 && present.sa_handler == SIG_IGN) continue;

@@ -2,7 +2,8 @@
 
 namespace knotreel::cli {
 
-/// From now on SIGINT, SIGTERM and SIGHUP only raise a flag; a second one ends the program at once. Writing
+/// From now on SIGINT, SIGTERM and SIGHUP only raise a flag; a second one, of
+/// whichever kind, ends the program at once. Writing
 /// to a closed pipe becomes an error instead of a signal. Call once, from main().
 void install_signal_handlers();
 

@@ -8,6 +8,7 @@
 #include <future>
 
 #include "program.h"
+#include "support/clips.h"
 
 namespace knotreel {
 namespace {
@@ -160,6 +161,33 @@ TEST(CliInterrupt, IsExit130AndTheOutputIsRemoved) {
                        {.signal_once = sample.dir / "out.png", .signal = signal});
     expect_failure(result, 130);
     EXPECT_EQ(sample.dir.entries(), 2u);
+  }
+}
+
+TEST(CliInterrupt, ASecondSignalOfAnotherKindEndsTheProgramAtOnce) {
+  const Sample sample;
+  test::write_clip(sample.path("clip.mkv"), 3);
+  const std::string nobody_reads = sample.path("fifo");
+  ASSERT_EQ(::mkfifo(nobody_reads.c_str(), 0600), 0);
+  for (const int second : {SIGTERM, SIGINT}) {
+    // It waits for a reader when the first signal comes, and goes on waiting.
+    const auto result = test::knotreel({"transcode", sample.path("clip.mkv"), "-f", "null", "--progress",
+                                        sample.path("progress"), "--stats", nobody_reads},
+                                       {.signal_once = sample.path("progress"),
+                                        .signal = second == SIGINT ? SIGTERM : SIGINT,
+                                        .second_signal = second});
+    EXPECT_EQ(result.exit_code, 128 + second);
+    std::filesystem::remove(sample.path("progress"));
+  }
+}
+
+TEST(CliInterrupt, AWriterThatTakesItsTimeIsNotWaitedFor) {
+  const Sample sample;
+  for (const std::string input : {"", "\x89PNG"}) {
+    const auto result = test::knotreel(
+        {"vectorize", "-", "-o", sample.path("out.tcb")},
+        {.input = input, .keep_input_open = true, .signal_once = sample.picture, .signal = SIGINT});
+    expect_failure(result, 130);
   }
 }
 
