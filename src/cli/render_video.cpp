@@ -4,7 +4,6 @@
 #include <charconv>
 #include <filesystem>
 #include <optional>
-#include <regex>
 
 #include "cli/command.h"
 #include "cli/distinct_paths.h"
@@ -18,6 +17,7 @@
 #include "knotreel/image/format.h"
 #include "knotreel/pipeline/render_job.h"
 #include "knotreel/pipeline/sequence.h"
+#include "knotreel/video/picture_list.h"
 
 namespace knotreel::cli {
 namespace {
@@ -135,19 +135,13 @@ void add_render_video_options(CLI::App& command, RenderVideo& options) {
 
 namespace {
 
-/// One picture per frame.
-bool is_numbered(const std::string& output) {
-  static const std::regex pattern("%0?[0-9]*d");
-  return std::regex_search(std::filesystem::path(output).filename().string(), pattern);
-}
-
 void check_copied(const RenderVideo& arguments) {
   if (arguments.copied.empty()) return;
   if (arguments.copied == "-" && arguments.input == "-") {
     throw Error(ErrorKind::kInvalidArgument, "the document and --copy-streams cannot both be standard input");
   }
   const std::string& format = arguments.format;
-  if (format == "null" || format == "hash" || (format.empty() && is_numbered(arguments.output))) {
+  if (format == "null" || format == "hash" || (format.empty() && video::number_pattern(arguments.output))) {
     throw Error(ErrorKind::kInvalidArgument,
                 "--copy-streams is for video files: pictures, null and hash hold no sound");
   }
@@ -156,7 +150,7 @@ void check_copied(const RenderVideo& arguments) {
 }  // namespace
 
 bool is_video_output(const std::string& output, const std::string& format) {
-  if (is_numbered(output)) return true;
+  if (video::number_pattern(output)) return true;
   const std::string name = std::filesystem::path(output).filename().string();
   const std::string extension = std::filesystem::path(name).extension().string();
   const bool picture_name = !extension.empty() && image::format_of_extension(extension.substr(1));

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "cli/metrics_report.h"
 #include "cli/standard_error.h"
 #include "knotreel/base/error.h"
 
@@ -18,10 +19,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr double kTerminalPause = 0.2;  // seconds
 constexpr double kLogPause = 10;
-
-Json finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 std::string text_of(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
@@ -137,10 +134,10 @@ Json row_json(const pipeline::FrameRow& row) {
           {"start", row.start},
           {"knots", row.knots},
           {"control_points", row.control_points},
-          {"mec", finite(row.mec)},
-          {"meg", finite(row.meg)},
-          {"psnr", finite(row.psnr)},
-          {"ssim", finite(row.ssim)},
+          {"mec", finite_or_null(row.mec)},
+          {"meg", finite_or_null(row.meg)},
+          {"psnr", finite_or_null(row.psnr)},
+          {"ssim", finite_or_null(row.ssim)},
           {"survival", row.survival},
           {"changes", changes_json(row.changes)},
           {"bytes", row.bytes},
@@ -167,7 +164,7 @@ Json summary_json(const pipeline::Summary& s) {
           {"cpu_seconds", s.cpu_seconds},
           {"fps", s.fps},
           {"first_frame_seconds", s.first_frame_seconds},
-          {"psnr", finite(s.psnr)},
+          {"psnr", finite_or_null(s.psnr)},
           {"mec", s.mec},
           {"meg", s.meg},
           {"ssim", s.ssim},

@@ -23,6 +23,7 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/image/format.h"
 #include "knotreel/pipeline/run.h"
+#include "knotreel/video/picture_list.h"
 
 namespace knotreel::cli {
 namespace {
@@ -100,7 +101,7 @@ bool is_video(const std::string& input, const VideoInputOptions& options) {
   }
   std::error_code ignored;
   if (fs::is_directory(input, ignored) || input.find("://") != std::string::npos) return true;
-  if (!fs::exists(input, ignored)) return input.find_first_of("*?%") != std::string::npos;
+  if (!fs::exists(input, ignored)) return video::means_pictures(input);
   if (!fs::is_regular_file(input, ignored)) return false;
   const std::string extension = fs::path(input).extension().string();
   const std::vector<std::byte> start = read_start(input, video::kPictureStart);

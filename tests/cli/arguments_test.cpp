@@ -56,6 +56,7 @@ TEST(Cli, WrongUsageIsExit2) {
       {"render", "x.tcb", "-o", "x.png", "--background", "#12345g"},
       {"render", "x.tcb", "-o", "x.png", "--format", "docx"},
       {"compare", "x.png"},
+      {"compare", "x.tcb", "y.tcb", "--frame", "-1"},
       {"export", "x.tcb"},
       {"export", "x.tcb", "-o", "x.png"},
       {"export", "x.tcb", "-o", "x.pdf", "--format", "eps"},

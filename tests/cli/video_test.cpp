@@ -45,6 +45,25 @@ TEST_F(CliVideo, TranscodeKeepsFramesAndTimes) {
   for (std::size_t i = 0; i < times_.size(); ++i) EXPECT_EQ(info["frames"][i]["pts"], times_[i]);
 }
 
+TEST_F(CliVideo, AllWildcardsMeanPictures) {
+  for (const char* name : {"in_1.png", "in_2.png", "in_[3].png"}) {
+    image::write_image(path(name), test::moving_picture(48, 32, 3, 0));
+  }
+  for (const char* pattern : {"in_[0-9].png", "in_?.png", "in_%d.png"}) {
+    SCOPED_TRACE(pattern);
+    expect_success(knotreel({"vectorize", path(pattern), "-o", document_, "--preset", "fast"}));
+    EXPECT_EQ(json::parse(knotreel({"info", document_, "--json"}).out)["frame_count"], 2);
+  }
+  expect_success(knotreel({"vectorize", path("in_[3].png"), "-o", document_, "--preset", "fast"}));
+  EXPECT_EQ(json::parse(knotreel({"info", document_, "--json"}).out)["frame_count"], 1);
+}
+
+TEST_F(CliVideo, APercentSignAloneIsNoNumber) {
+  vectorize();
+  expect_success(knotreel({"render", document_, "-o", path("100%%d.png"), "--frame", "2"}));
+  EXPECT_TRUE(std::filesystem::exists(path("100%%d.png")));
+}
+
 TEST_F(CliVideo, Mp4KeepsVariableTimes) {
   const auto result = knotreel({"transcode", clip_, "-o", path("out.mp4"), "--preset", "fast"});
   expect_success(result);
