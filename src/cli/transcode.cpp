@@ -71,7 +71,7 @@ void add_outputs(CLI::App& command, Arguments& arguments) {
 constexpr const char* kFooter = R"(
 Every picture becomes a vector model, made from that of the picture before, and is drawn again from what
 the document holds, at any size. Times, sound, subtitles and colour tags are kept. After Ctrl-C the outputs
-hold the frames done so far. The default of --max-control-points is 2% here, but at least 256.
+hold the frames done so far.
 Examples:
   knotreel transcode in.mp4 -o out.mp4
   knotreel transcode in.mp4 -o large.mkv --scale 2 --codec hevc --document in.tcb
@@ -96,7 +96,7 @@ void add_transcode_command(CLI::App& program) {
   command->option_defaults()->group("Video");
   add_tracking_options(*command, arguments->run.tracking);
   command->option_defaults()->group("Options");
-  add_vectorize_options(*command, arguments->run.options);
+  add_vectorize_options(*command, arguments->run.options, "2%");
   command->footer(kFooter);
   command->callback([arguments] { transcode(*arguments); });
 }

@@ -184,7 +184,7 @@ Features (sharp edges) become curves at which the colours may jump; between them
 Knots go where the picture needs them, first at once and then in rounds. The figures printed are those
 of the document as stored. The same picture and options give the same file.
 A video, a folder of pictures or a pattern such as in_%04d.png becomes a document with all frames, each made
-from the frame before; the default of --max-control-points is 2% then. After Ctrl-C it holds what was done.
+from the frame before. After Ctrl-C it holds what was done.
 Examples:
   knotreel vectorize photo.png -o photo.tcb
   knotreel vectorize photo.png -o fine.tcb --preset fine --max-control-points 5%
@@ -203,7 +203,7 @@ void add_vectorize_command(CLI::App& program) {
   command
       ->add_option("-o,--output", arguments->output, "Vector document to write (.tcb); '-': standard output")
       ->type_name("FILE");
-  add_vectorize_options(*command, arguments->options);
+  add_vectorize_options(*command, arguments->options, "2.75%, of videos 2%");
   command
       ->add_option("--stats", arguments->stats,
                    "Write options, counts, quality and time of every round as JSON;\n'-': standard output")

@@ -31,6 +31,15 @@ TEST(Cli, EveryCommandHasHelpWithAnExample) {
   }
 }
 
+TEST(Cli, HelpTellsTheDefaultOfTheCommand) {
+  const auto help = [](const char* command) { return test::knotreel({command, "--help"}).out; };
+  EXPECT_NE(help("transcode").find("(default 2%, "), std::string::npos);
+  EXPECT_EQ(help("transcode").find("2.75%"), std::string::npos);
+  for (const char* command : {"vectorize", "batch"}) {
+    EXPECT_NE(help(command).find("(default 2.75%, of videos 2%, "), std::string::npos) << command;
+  }
+}
+
 TEST(Cli, VersionNamesTheLibraries) {
   const auto result = test::knotreel({"--version"});
   expect_success(result);
