@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <atomic>
 #include <cerrno>
 #include <system_error>
 
@@ -14,6 +15,24 @@ namespace {
 // Encoders hand over many small pieces (a PNG chunk is three); one system call for each would cost more than
 // the compression of a plain picture.
 constexpr std::size_t kBufferBytes = 256 * 1024;
+
+/// A name that no other object has, in this process or in another one that is alive.
+fs::path part_name(fs::path target) {
+  static std::atomic<unsigned> count{0};
+  const unsigned number = ++count;
+  target += "." + std::to_string(::getpid()) + (number > 1 ? "." + std::to_string(number) : "") + ".part";
+  return target;
+}
+
+/// @returns a descriptor of a new file, or -1 with errno.
+int create(const fs::path& path, mode_t mode) {
+  constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
+  const int descriptor = ::open(path.c_str(), kFlags, mode);
+  if (descriptor >= 0 || errno != EEXIST) return descriptor;
+  // Left by a dead process that had the same id.
+  ::unlink(path.c_str());
+  return ::open(path.c_str(), kFlags, mode);
+}
 }  // namespace
 
 OutputFile::OutputFile(const fs::path& path) : name_("'" + path.string() + "'"), target_(path) {
@@ -35,9 +54,10 @@ OutputFile::OutputFile(const fs::path& path) : name_("'" + path.string() + "'"),
   if (exists && !S_ISREG(status.st_mode)) {
     descriptor_ = ::open(target_.c_str(), O_WRONLY | O_CLOEXEC);
   } else {
-    part_ = target_;
-    part_ += "." + std::to_string(::getpid()) + ".part";
-    descriptor_ = ::open(part_.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+    part_ = part_name(target_);
+    descriptor_ = create(part_, exists ? 0600 : 0666);
+    // What replaces a private file is private. Not all file systems know that.
+    if (exists && descriptor_ >= 0) ::fchmod(descriptor_, status.st_mode & 0777);
     seekable_ = true;
   }
   if (descriptor_ < 0) {

@@ -1,8 +1,8 @@
 #include "cli/command.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
+#include "cli/standard_error.h"
 #include "knotreel/base/output_file.h"
 
 namespace knotreel::cli {
@@ -34,8 +34,7 @@ void add_frame_option(CLI::App& command, std::uint64_t& frame, const std::string
 }
 
 void warn(const std::string& message) {
-  const std::string line = "knotreel: warning: " + message + "\n";
-  [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, line.data(), line.size());
+  put_error_line("warning: " + message);
 }
 
 void warn_of(const std::string& path, const std::vector<std::string>& messages) {

@@ -4,6 +4,7 @@
 
 #include "cli/command.h"
 #include "cli/compare_videos.h"
+#include "cli/distinct_paths.h"
 #include "cli/frame_source.h"
 #include "cli/metrics_report.h"
 #include "cli/pictures.h"
@@ -44,6 +45,7 @@ void compare_pictures(const Arguments& arguments) {
 }
 
 void compare(const Arguments& arguments) {
+  check_paths({arguments.a, arguments.b}, {{arguments.stats}});
   const bool videos = !arguments.one_frame && (has_frames(arguments.a) || has_frames(arguments.b));
   if (videos) {
     compare_videos({arguments.a, arguments.b, arguments.stats, arguments.json, arguments.threads});
@@ -71,9 +73,7 @@ void add_compare_command(CLI::App& program) {
   const auto arguments = std::make_shared<Arguments>();
   command->add_option("A", arguments->a, "Picture, video or document")->type_name("")->required();
   command->add_option("B", arguments->b, "Picture, video or document")->type_name("")->required();
-  auto* frame =
-      command->add_option("--frame", arguments->frame, "Only this frame of documents, counted from 0")
-          ->capture_default_str();
+  add_frame_option(*command, arguments->frame, "Only this frame of documents, counted from 0");
   command
       ->add_option("--stats", arguments->stats,
                    "Write the figures of every frame of videos as JSON; '-': standard output")
@@ -81,8 +81,8 @@ void add_compare_command(CLI::App& program) {
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_threads_option(*command, arguments->threads);
   command->footer(kFooter);
-  command->callback([arguments, frame] {
-    arguments->one_frame = frame->count() > 0;
+  command->callback([arguments, command] {
+    arguments->one_frame = command->count("--frame") > 0;
     compare(*arguments);
   });
 }

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/distinct_paths.h"
 #include "cli/pictures.h"
 #include "knotreel/document/json.h"
 
@@ -25,6 +26,7 @@ void add_dump_command(CLI::App& program) {
       "\nThe fields are described in docs/format.md: knots, basis functions with their control points and\n"
       "t-configs, features.\nExample:\n  knotreel dump photo.tcb | jq '.knots | length'");
   command->callback([arguments] {
+    check_paths({arguments->input}, {{arguments->output}});
     document::Reader reader = open_document(arguments->input);
     const document::FrameModel model = read_frame(reader, arguments->frame);
     write_text(arguments->output, document::frame_to_json(model, reader.info()) + "\n");

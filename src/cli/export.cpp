@@ -3,6 +3,7 @@
 #include <optional>
 
 #include "cli/command.h"
+#include "cli/distinct_paths.h"
 #include "cli/interrupt.h"
 #include "cli/pictures.h"
 #include "knotreel/base/error.h"
@@ -43,6 +44,7 @@ std::string format_of(const Arguments& arguments) {
 }
 
 void export_frame(const Arguments& arguments) {
+  check_paths({arguments.input}, {{arguments.output}});
   const ThreadCap cap(arguments.threads);
   const std::string format = format_of(arguments);
   exporting::ExportOptions options;

@@ -1,16 +1,32 @@
 #include "cli/interrupt.h"
 
+#include <atomic>
 #include <csignal>
+#include <cstdint>
+#include <ctime>
 
 #include "knotreel/base/error.h"
 
 namespace knotreel::cli {
 namespace {
 
-volatile std::sig_atomic_t signalled = 0;
+constexpr int kSignals[] = {SIGINT, SIGTERM, SIGHUP};
 
-void on_signal(int) {
-  signalled = 1;
+/// Signals that come so soon after the first one are the same one: a terminal that closes is told by the
+/// system and by the shell, and `timeout` tells the program and its group.
+constexpr std::int64_t kTwice = 300'000'000;  // nanoseconds
+
+std::atomic<std::int64_t> first_signal = 0;  // when it came, nanoseconds; 0: not yet
+static_assert(std::atomic<std::int64_t>::is_always_lock_free, "or a handler may not touch it");
+
+void on_signal(int signal) {
+  timespec now{};
+  clock_gettime(CLOCK_MONOTONIC, &now);
+  const std::int64_t time = now.tv_sec * std::int64_t{1'000'000'000} + now.tv_nsec + 1;
+  std::int64_t first = 0;
+  if (first_signal.compare_exchange_strong(first, time) || time - first < kTwice) return;
+  std::signal(signal, SIG_DFL);
+  std::raise(signal);
 }
 
 }  // namespace
@@ -18,9 +34,9 @@ void on_signal(int) {
 void install_signal_handlers() {
   struct sigaction action {};
   action.sa_handler = on_signal;
-  action.sa_flags = SA_RESTART | static_cast<int>(SA_RESETHAND);
+  action.sa_flags = SA_RESTART;
   sigemptyset(&action.sa_mask);
-  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+  for (const int signal : kSignals) {
     struct sigaction present {};
     // What nohup or a background shell has switched off stays off.
     if (sigaction(signal, nullptr, &present) == 0 && present.sa_handler == SIG_IGN) continue;
@@ -32,7 +48,7 @@ void install_signal_handlers() {
 }
 
 bool interrupted() {
-  return signalled != 0;
+  return first_signal != 0;
 }
 
 void check_interrupted() {

@@ -10,22 +10,13 @@
 
 #include "cli/command.h"
 #include "cli/interrupt.h"
+#include "cli/standard_error.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/output_file.h"
 
 namespace {
 
 using namespace knotreel;
-
-/// One line on standard error, whatever is in the message (file names may hold anything).
-void print_error(std::string message) {
-  for (char& c : message) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  message = "knotreel: " + message + "\n";
-  // Standard error may be closed or full; there is nobody left to tell.
-  [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, message.data(), message.size());
-}
 
 constexpr const char* kFooter = R"(
 Examples:
@@ -102,6 +93,7 @@ static void open_standard_streams() {
 
 int main(int argc, char** argv) {
   open_standard_streams();
+  knotreel::cli::keep_standard_error();
   keep_freed_memory();
   knotreel::cli::install_signal_handlers();
   try {
@@ -110,12 +102,12 @@ int main(int argc, char** argv) {
   } catch (const BrokenPipe& e) {
     return exit_code(e.kind());  // the reader knows, and a message would only clutter the pipeline
   } catch (const Error& e) {
-    print_error(e.what());
+    cli::put_error_line(e.what());
     return exit_code(e.kind());
   } catch (const std::bad_alloc&) {
-    print_error("not enough memory");
+    cli::put_error_line("not enough memory");
   } catch (const std::exception& e) {
-    print_error(std::string("internal error: ") + e.what());
+    cli::put_error_line(std::string("internal error: ") + e.what());
   }
   return exit_code(ErrorKind::kInternal);
 }

@@ -6,12 +6,15 @@
 
 namespace knotreel::cli {
 
+nlohmann::ordered_json finite_or_null(double value) {
+  return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
 nlohmann::ordered_json metrics_json(const image::ImageMetrics& metrics) {
   nlohmann::ordered_json json;
   json["mec"] = metrics.mec;
   json["rmse"] = metrics.rmse;
-  json["psnr"] =
-      std::isinf(metrics.psnr) ? nlohmann::ordered_json(nullptr) : nlohmann::ordered_json(metrics.psnr);
+  json["psnr"] = finite_or_null(metrics.psnr);
   json["ssim"] = metrics.ssim;
   return json;
 }

@@ -7,6 +7,9 @@
 
 namespace knotreel::cli {
 
+/// A number, or null for what JSON has not: infinity and NaN.
+nlohmann::ordered_json finite_or_null(double value);
+
 /// Members mec, rmse, psnr, ssim; psnr is null for equal pictures, since JSON has no infinity.
 nlohmann::ordered_json metrics_json(const image::ImageMetrics& metrics);
 

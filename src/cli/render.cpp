@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/distinct_paths.h"
 #include "cli/output_size.h"
 #include "cli/parse.h"
 #include "cli/pictures.h"
@@ -69,6 +70,7 @@ void write_turned(const raster::Renderer& renderer, const Turn& turn, const imag
 }
 
 void render_picture(const Arguments& arguments) {
+  check_paths({arguments.input}, {{arguments.output}});
   const ThreadCap cap(arguments.threads);
   image::Background background;
   if (!arguments.background.empty()) background = parse_colour("--background", arguments.background);

@@ -4,9 +4,9 @@
 #include <charconv>
 #include <filesystem>
 #include <optional>
-#include <regex>
 
 #include "cli/command.h"
+#include "cli/distinct_paths.h"
 #include "cli/interrupt.h"
 #include "cli/output_size.h"
 #include "cli/pictures.h"
@@ -17,6 +17,7 @@
 #include "knotreel/image/format.h"
 #include "knotreel/pipeline/render_job.h"
 #include "knotreel/pipeline/sequence.h"
+#include "knotreel/video/picture_list.h"
 
 namespace knotreel::cli {
 namespace {
@@ -89,12 +90,18 @@ nlohmann::ordered_json head_json(const RenderVideo& arguments, const pipeline::R
           {"threads", arguments.threads}};
 }
 
+std::vector<Output> outputs_of(const RenderVideo& arguments) {
+  const bool digest = arguments.format == "hash";
+  return {digest ? Output{"-"} : video_output(arguments.output, arguments.format),
+          {arguments.stats},
+          {arguments.progress}};
+}
+
 void tell(const RenderVideo& arguments, const pipeline::Summary& summary) {
   for (const std::string& line : summary.warnings) warn(line);
   if (arguments.format == "hash") {
     write_text("-", summary.digest + "\n");
-  } else if ((arguments.output != "-" || arguments.format == "null") && arguments.progress != "-" &&
-             arguments.stats != "-") {
+  } else if (!uses_standard_output(outputs_of(arguments))) {
     const bool nowhere = arguments.format == "null";
     write_text("-", summary_text(nowhere ? arguments.format : arguments.output, summary));
   }
@@ -128,19 +135,13 @@ void add_render_video_options(CLI::App& command, RenderVideo& options) {
 
 namespace {
 
-/// One picture per frame.
-bool is_numbered(const std::string& output) {
-  static const std::regex pattern("%0?[0-9]*d");
-  return std::regex_search(std::filesystem::path(output).filename().string(), pattern);
-}
-
 void check_copied(const RenderVideo& arguments) {
   if (arguments.copied.empty()) return;
   if (arguments.copied == "-" && arguments.input == "-") {
     throw Error(ErrorKind::kInvalidArgument, "the document and --copy-streams cannot both be standard input");
   }
   const std::string& format = arguments.format;
-  if (format == "null" || format == "hash" || (format.empty() && is_numbered(arguments.output))) {
+  if (format == "null" || format == "hash" || (format.empty() && video::number_pattern(arguments.output))) {
     throw Error(ErrorKind::kInvalidArgument,
                 "--copy-streams is for video files: pictures, null and hash hold no sound");
   }
@@ -149,7 +150,7 @@ void check_copied(const RenderVideo& arguments) {
 }  // namespace
 
 bool is_video_output(const std::string& output, const std::string& format) {
-  if (is_numbered(output)) return true;
+  if (video::number_pattern(output)) return true;
   const std::string name = std::filesystem::path(output).filename().string();
   const std::string extension = std::filesystem::path(name).extension().string();
   const bool picture_name = !extension.empty() && image::format_of_extension(extension.substr(1));
@@ -160,6 +161,7 @@ bool is_video_output(const std::string& output, const std::string& format) {
 
 void render_video(const RenderVideo& arguments) {
   check_copied(arguments);
+  check_paths({arguments.input, arguments.copied}, outputs_of(arguments));
   const ThreadCap cap(arguments.threads);
   document::Reader reader = open_document(arguments.input);
   if (!reader.complete()) warn("'" + arguments.input + "' is cut short: read up to its last whole frame");

@@ -7,6 +7,8 @@
 
 #include <algorithm>
 
+#include "cli/interrupt.h"
+
 namespace knotreel::cli {
 namespace {
 
@@ -23,9 +25,11 @@ std::vector<std::byte> copy_of_pipe(std::size_t count) {
   return bytes;
 }
 
-bool writer_has_gone() {
-  pollfd wait{STDIN_FILENO, 0, 0};
-  return ::poll(&wait, 1, 0) > 0 && (wait.revents & (POLLHUP | POLLERR)) != 0;
+/// Waits a moment for the pipe to be worth a look.
+short wait_for_pipe() {
+  constexpr int kMilliseconds = 50;
+  pollfd wait{STDIN_FILENO, POLLIN, 0};
+  return ::poll(&wait, 1, kMilliseconds) > 0 ? wait.revents : short{0};
 }
 
 }  // namespace
@@ -41,8 +45,11 @@ std::vector<std::byte> peek_standard_input(std::size_t count) {
   }
   if (!S_ISFIFO(status.st_mode)) return {};
   for (;;) {
-    const bool last = writer_has_gone();  // asked first: what it wrote before is there by now
+    check_interrupted();
+    const short events = wait_for_pipe();  // first: what a writer that has gone wrote is there by now
+    if (events == 0) continue;
     std::vector<std::byte> bytes = copy_of_pipe(count);
+    const bool last = (events & (POLLHUP | POLLERR)) != 0;
     if (last || bytes.size() == count || bytes.empty()) return bytes;
     constexpr useconds_t kPause = 2000;  // a writer that begins with less is rare
     ::usleep(kPause);

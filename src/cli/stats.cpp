@@ -1,16 +1,11 @@
 #include "cli/stats.h"
 
-#include <cmath>
+#include "cli/metrics_report.h"
 
 namespace knotreel::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
-
-/// JSON has neither infinity nor NaN.
-Json finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 }  // namespace
 
@@ -51,9 +46,9 @@ Json rounds_json(const vectorize::Report& report) {
     rounds.push_back({{"name", r.name},
                       {"knots", r.knots},
                       {"control_points", r.control_points},
-                      {"mec", finite(r.mec)},
-                      {"meg", finite(r.meg)},
-                      {"psnr", finite(r.psnr)},
+                      {"mec", finite_or_null(r.mec)},
+                      {"meg", finite_or_null(r.meg)},
+                      {"psnr", finite_or_null(r.psnr)},
                       {"raw_bytes", r.raw_bytes},
                       {"milliseconds", std::move(milliseconds)}});
   }

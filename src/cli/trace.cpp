@@ -32,12 +32,14 @@ std::string event(const std::string& name, double begin, double duration, int th
   return json.dump();
 }
 
+int open_file(const std::string& path) {
+  return path.empty() ? -1 : ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
+}
+
 }  // namespace
 
-Trace::Trace(const std::string& path) : path_(path) {
-  if (path.empty()) return;
-  descriptor_ = ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-  write(kHead);
+Trace::Trace(const std::string& path) : Trace(path, open_file(path)) {
+  if (!path.empty()) write(kHead);
 }
 
 Trace::~Trace() {

@@ -21,6 +21,8 @@ class Trace {
   void add(const pipeline::FrameRow& row);
 
  private:
+  /// Whole when it has got here, so that the file is closed if nothing can be written to it.
+  Trace(const std::string& path, int descriptor) : path_(path), descriptor_(descriptor) {}
   void write(const std::string& events);
 
   std::string path_;

@@ -22,10 +22,11 @@ void transcode(Arguments& arguments) {
   const std::string output = run.video.path.empty() ? "-" : run.video.path;
   run.video.path = nowhere ? arguments.format : output;  // these write no file
   run.video.options = write_options(arguments.encoding, arguments.format, run.threads);
+  if (arguments.format == "hash") run.digest = output;
   const pipeline::Summary summary = run_video(run);
-  if (arguments.format == "hash") {
-    write_text(output, summary.digest + "\n");
-  } else if ((nowhere || output != "-") && run.document != "-" && run.stats != "-" && run.progress != "-") {
+  if (!run.digest.empty()) {
+    write_text(run.digest, summary.digest + "\n");
+  } else if (!uses_standard_output(outputs_of(run))) {
     write_text("-", summary_text(run.video.path, summary));
   }
   check_stopped(summary);
@@ -70,7 +71,7 @@ void add_outputs(CLI::App& command, Arguments& arguments) {
 constexpr const char* kFooter = R"(
 Every picture becomes a vector model, made from that of the picture before, and is drawn again from what
 the document holds, at any size. Times, sound, subtitles and colour tags are kept. After Ctrl-C the outputs
-hold the frames done so far. The default of --max-control-points is 2% here, but at least 256.
+hold the frames done so far.
 Examples:
   knotreel transcode in.mp4 -o out.mp4
   knotreel transcode in.mp4 -o large.mkv --scale 2 --codec hevc --document in.tcb
@@ -95,7 +96,7 @@ void add_transcode_command(CLI::App& program) {
   command->option_defaults()->group("Video");
   add_tracking_options(*command, arguments->run.tracking);
   command->option_defaults()->group("Options");
-  add_vectorize_options(*command, arguments->run.options);
+  add_vectorize_options(*command, arguments->run.options, "2%");
   command->footer(kFooter);
   command->callback([arguments] { transcode(*arguments); });
 }

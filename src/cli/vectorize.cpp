@@ -1,14 +1,17 @@
 #include <fmt/core.h>
 
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <utility>
 
 #include "cli/command.h"
 #include "cli/debug/debug_pictures.h"
+#include "cli/distinct_paths.h"
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
 #include "cli/pictures.h"
+#include "cli/printable.h"
 #include "cli/progress_line.h"
 #include "cli/stats.h"
 #include "cli/still_document.h"
@@ -70,16 +73,23 @@ vectorize::Vectorization run(const image::Image& image, const vectorize::Options
   });
 }
 
-/// Better to fail now than after the work.
-void probe_outputs(const Arguments& arguments) {
-  if (arguments.output == "-" && arguments.stats == "-") {
-    throw Error(ErrorKind::kInvalidArgument, "--output and --stats cannot both be standard output");
+std::vector<Output> outputs_of(const Arguments& arguments) {
+  std::vector<Output> outputs{{arguments.output}, {arguments.stats}};
+  if (!arguments.debug_dir.empty()) {
+    outputs.push_back({(std::filesystem::path(arguments.debug_dir) / "[0-9][0-9]-*.png").string(), true});
   }
-  { const OutputFile probe(arguments.output); }
-  if (!arguments.stats.empty()) {
-    const OutputFile probe(arguments.stats);
-  }
+  return outputs;
 }
+
+/// Opened before the work, since it is better to fail then than after it; and once, since the reader of a
+/// pipe takes the first end for the only one.
+struct OutputFiles {
+  explicit OutputFiles(const Arguments& arguments) : document(arguments.output) {
+    if (!arguments.stats.empty()) stats.emplace(arguments.stats);
+  }
+  OutputFile document;
+  std::optional<OutputFile> stats;
+};
 
 /// All that docs/stats.md promises.
 nlohmann::ordered_json stats_json(const Arguments& arguments, const image::Image& image,
@@ -109,6 +119,7 @@ nlohmann::ordered_json stats_json(const Arguments& arguments, const image::Image
 }
 
 void vectorize_picture(const Arguments& arguments) {
+  check_paths({arguments.input}, outputs_of(arguments));
   const ThreadCap cap(arguments.threads);
   StageTimer timer;
   image::ImageFileInfo source;
@@ -118,7 +129,7 @@ void vectorize_picture(const Arguments& arguments) {
                      arguments.input));
   }
   const vectorize::Options options = effective_options(arguments.options, image.pixel_count());
-  probe_outputs(arguments);
+  OutputFiles files(arguments);
   Watcher watcher(arguments.debug_dir, timer);
   timer.finish("decode");
 
@@ -127,26 +138,25 @@ void vectorize_picture(const Arguments& arguments) {
   timer.finish("vectorize");
 
   const StillDocument document = still_document(image, made.model);
-  OutputFile file(arguments.output);
-  file.write(document.bytes);
-  file.commit();
+  files.document.write(document.bytes);
+  files.document.commit();
   timer.finish("write");
 
   const image::ImageMetrics metrics = image::compare_images(image, render_whole(document.model, {}));
   timer.finish("measure");
   watcher.see_stored(image, document.model);
 
-  if (!arguments.stats.empty()) {
+  if (files.stats) {
     auto stats = stats_json(arguments, image, options, made.report, document, metrics);
     stats["seconds"] = timer.seconds();
-    write_text(arguments.stats,
-               stats.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    files.stats->write(stats.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+    files.stats->commit();
   }
-  if (arguments.stats != "-" && arguments.output != "-") {
+  if (!uses_standard_output(outputs_of(arguments))) {
     const auto& space = *document.model.space;
-    write_text("-", fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}\n", arguments.output,
-                                space.mesh().knots.size(), space.function_count(), document.bytes.size(),
-                                psnr_text(metrics.psnr)));
+    write_text("-", fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}\n",
+                                printable(arguments.output), space.mesh().knots.size(),
+                                space.function_count(), document.bytes.size(), psnr_text(metrics.psnr)));
   }
 }
 
@@ -174,7 +184,7 @@ Features (sharp edges) become curves at which the colours may jump; between them
 Knots go where the picture needs them, first at once and then in rounds. The figures printed are those
 of the document as stored. The same picture and options give the same file.
 A video, a folder of pictures or a pattern such as in_%04d.png becomes a document with all frames, each made
-from the frame before; the default of --max-control-points is 2% then. After Ctrl-C it holds what was done.
+from the frame before. After Ctrl-C it holds what was done.
 Examples:
   knotreel vectorize photo.png -o photo.tcb
   knotreel vectorize photo.png -o fine.tcb --preset fine --max-control-points 5%
@@ -193,7 +203,7 @@ void add_vectorize_command(CLI::App& program) {
   command
       ->add_option("-o,--output", arguments->output, "Vector document to write (.tcb); '-': standard output")
       ->type_name("FILE");
-  add_vectorize_options(*command, arguments->options);
+  add_vectorize_options(*command, arguments->options, "2.75%, of videos 2%");
   command
       ->add_option("--stats", arguments->stats,
                    "Write options, counts, quality and time of every round as JSON;\n'-': standard output")

@@ -46,7 +46,7 @@ std::string by_preset(Get&& get) {
                      get(preset_options(vectorize::Preset::kFine)));
 }
 
-void add_effort(CLI::App& command, VectorizeOptions& options) {
+void add_effort(CLI::App& command, VectorizeOptions& options, const std::string& default_bound) {
   const vectorize::Options defaults;
   command
       .add_option("--preset", options.preset,
@@ -59,7 +59,8 @@ void add_effort(CLI::App& command, VectorizeOptions& options) {
   command
       .add_option("--max-control-points", options.max_control_points,
                   "Upper bound: a number, or a share of the pixels above 0%, at most 100%\n"
-                  "(default 2.75%, but for small pictures 256)")
+                  "(default " +
+                      default_bound + ", but for small pictures 256)")
       ->type_name("N|P%");
   add_number(command, "--mec", options.mec, "L", {0, 442},
              "Good enough: mean colour error per pixel, in levels of 0..255\n", text_of(defaults.mec));
@@ -122,9 +123,9 @@ void replace(Value& value, const std::optional<Value>& given) {
 
 }  // namespace
 
-void add_vectorize_options(CLI::App& command, VectorizeOptions& options) {
+void add_vectorize_options(CLI::App& command, VectorizeOptions& options, const std::string& default_bound) {
   command.option_defaults()->group("Time and quality");
-  add_effort(command, options);
+  add_effort(command, options, default_bound);
   command.option_defaults()->group("Features");
   add_features(command, options);
   command.option_defaults()->group("Surface");

@@ -34,7 +34,8 @@ struct VectorizeOptions {
 };
 
 /// Adds all of them to a command; `options` must live until it has been parsed.
-void add_vectorize_options(CLI::App& command, VectorizeOptions& options);
+/// @param default_bound  what --max-control-points is if not given, for the help.
+void add_vectorize_options(CLI::App& command, VectorizeOptions& options, const std::string& default_bound);
 
 /// Preset and options together, for a picture of so many pixels.
 /// @throws Error{kInvalidArgument} if the bound on control points is no number or share.

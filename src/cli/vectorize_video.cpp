@@ -21,7 +21,7 @@ void add_vectorize_video_options(CLI::App& command, VideoRun& run) {
 void vectorize_video(VideoRun run) {
   run.reading.no_copy_streams = true;  // there is no place for them in a document
   const pipeline::Summary summary = run_video(run);
-  if (run.document != "-" && run.stats != "-" && run.progress != "-") {
+  if (!uses_standard_output(outputs_of(run))) {
     write_text("-", summary_text(run.document.empty() ? run.split_folder : run.document, summary));
   }
   check_stopped(summary);

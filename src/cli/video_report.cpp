@@ -8,6 +8,8 @@
 #include <cmath>
 #include <cstring>
 
+#include "cli/metrics_report.h"
+#include "cli/standard_error.h"
 #include "knotreel/base/error.h"
 
 namespace knotreel::cli {
@@ -15,18 +17,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kClearLine = "\r\x1b[K";
 constexpr double kTerminalPause = 0.2;  // seconds
 constexpr double kLogPause = 10;
-
-void put(const std::string& text) {
-  // A line that cannot be shown is no reason to stop.
-  [[maybe_unused]] const ssize_t ignored = ::write(STDERR_FILENO, text.data(), text.size());
-}
-
-Json finite(double value) {
-  return std::isfinite(value) ? Json(value) : Json(nullptr);
-}
 
 std::string text_of(const Json& json, int indent) {
   return json.dump(indent, ' ', false, Json::error_handler_t::replace);
@@ -58,17 +50,17 @@ Json milliseconds_json(const std::vector<std::pair<std::string, double>>& stages
 
 }  // namespace
 
-VideoLine::VideoLine(std::uint64_t frames) : terminal_(::isatty(STDERR_FILENO) == 1), frames_(frames) {}
+VideoLine::VideoLine(std::uint64_t frames) : terminal_(standard_error_is_terminal()), frames_(frames) {}
 
 VideoLine::~VideoLine() {
-  if (terminal_) put(kClearLine);
+  if (terminal_) put_error(kClearLine);
 }
 
 void VideoLine::show(const pipeline::FrameRow& row) {
   if (row.finished_seconds - shown_ < (terminal_ ? kTerminalPause : kLogPause)) return;
   shown_ = row.finished_seconds;
   const std::string text = line_text(row, frames_);
-  put(terminal_ ? kClearLine + text : text + "\n");
+  put_error(terminal_ ? kClearLine + text : text + "\n");
 }
 
 ProgressFile::ProgressFile(const std::string& path, video::Rational time_base)
@@ -142,10 +134,10 @@ Json row_json(const pipeline::FrameRow& row) {
           {"start", row.start},
           {"knots", row.knots},
           {"control_points", row.control_points},
-          {"mec", finite(row.mec)},
-          {"meg", finite(row.meg)},
-          {"psnr", finite(row.psnr)},
-          {"ssim", finite(row.ssim)},
+          {"mec", finite_or_null(row.mec)},
+          {"meg", finite_or_null(row.meg)},
+          {"psnr", finite_or_null(row.psnr)},
+          {"ssim", finite_or_null(row.ssim)},
           {"survival", row.survival},
           {"changes", changes_json(row.changes)},
           {"bytes", row.bytes},
@@ -172,7 +164,7 @@ Json summary_json(const pipeline::Summary& s) {
           {"cpu_seconds", s.cpu_seconds},
           {"fps", s.fps},
           {"first_frame_seconds", s.first_frame_seconds},
-          {"psnr", finite(s.psnr)},
+          {"psnr", finite_or_null(s.psnr)},
           {"mec", s.mec},
           {"meg", s.meg},
           {"ssim", s.ssim},

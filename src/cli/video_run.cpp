@@ -13,6 +13,7 @@
 #include "cli/metrics_report.h"
 #include "cli/output_size.h"
 #include "cli/peak_memory.h"
+#include "cli/printable.h"
 #include "cli/side_by_side.h"
 #include "cli/standard_input.h"
 #include "cli/trace.h"
@@ -22,6 +23,7 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/image/format.h"
 #include "knotreel/pipeline/run.h"
+#include "knotreel/video/picture_list.h"
 
 namespace knotreel::cli {
 namespace {
@@ -56,12 +58,6 @@ nlohmann::ordered_json head_json(const VideoRun& run, const pipeline::Job& job) 
 
 void warn_all(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) warn(line);
-}
-
-void check_standard_output(const VideoRun& run) {
-  int uses = 0;
-  for (const std::string& path : {run.document, run.video.path, run.stats, run.progress}) uses += path == "-";
-  if (uses > 1) throw Error(ErrorKind::kInvalidArgument, "only one output can be standard output");
 }
 
 }  // namespace
@@ -99,7 +95,7 @@ bool is_video(const std::string& input, const VideoInputOptions& options) {
   }
   std::error_code ignored;
   if (fs::is_directory(input, ignored) || input.find("://") != std::string::npos) return true;
-  if (!fs::exists(input, ignored)) return input.find_first_of("*?%") != std::string::npos;
+  if (!fs::exists(input, ignored)) return video::means_pictures(input);
   if (!fs::is_regular_file(input, ignored)) return false;
   const std::string extension = fs::path(input).extension().string();
   const std::vector<std::byte> start = read_start(input, video::kPictureStart);
@@ -107,8 +103,22 @@ bool is_video(const std::string& input, const VideoInputOptions& options) {
   return !extension.empty() && !image::format_of_extension(extension.substr(1));
 }
 
+std::vector<Output> outputs_of(const VideoRun& run) {
+  const auto all_in = [](const std::string& folder, const char* names) {
+    return Output{folder.empty() ? folder : (fs::path(folder) / names).string(), true};
+  };
+  return {{run.document},
+          all_in(run.split_folder, "frame_%06d.tcb"),
+          video_output(run.video.path, run.video.options.container),
+          video_output(run.side_by_side),
+          {run.stats},
+          {run.progress},
+          {run.trace},
+          {run.digest}};
+}
+
 pipeline::Summary run_video(const VideoRun& run) {
-  check_standard_output(run);
+  check_paths({run.input}, outputs_of(run));
   const ThreadCap cap(run.threads);
   video::VideoReader reader = video::VideoReader::open(run.input, read_options(run.reading, run.threads));
   pipeline::Job job = make_job(run, reader);
@@ -138,8 +148,8 @@ pipeline::Summary run_video(const VideoRun& run) {
 
 std::string summary_text(const std::string& output, const pipeline::Summary& s) {
   std::string text =
-      fmt::format("{}: {} frames in {:.1f} s ({:.2f} fps), busy {:.2f} of {} cores", output, s.frames,
-                  s.seconds, s.fps, s.cpu_seconds / s.seconds, std::thread::hardware_concurrency());
+      fmt::format("{}: {} frames in {:.1f} s ({:.2f} fps), busy {:.2f} of {} cores", printable(output),
+                  s.frames, s.seconds, s.fps, s.cpu_seconds / s.seconds, std::thread::hardware_concurrency());
   if (s.keyframes > 0) text += fmt::format(", {} keyframes, PSNR {}", s.keyframes, psnr_text(s.psnr));
   return text + fmt::format(", {:.0f} knots and {:.0f} control points per frame, {} bytes as document\n",
                             s.knots, s.control_points, s.document_bytes);

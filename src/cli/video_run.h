@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "cli/distinct_paths.h"
 #include "cli/vectorize_options.h"
 #include "cli/video_options.h"
 #include "knotreel/pipeline/job.h"
@@ -24,6 +25,7 @@ struct VideoRun {
   std::string stats;
   std::string progress;
   std::string trace;
+  std::string digest;  ///< where that of all frames is printed afterwards; empty: nowhere
   int threads = 0;
 };
 
@@ -33,8 +35,11 @@ bool is_video(const std::string& input, const VideoInputOptions& options);
 /// The job for it. @param reader  of the input; must outlive the job.
 pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader);
 
+/// All that it writes, whatever is printed in the end left out.
+std::vector<Output> outputs_of(const VideoRun& run);
+
 /// Does it, with all lines, files and warnings beside it.
-/// @throws Error{kInterrupted} after a signal, when all files are whole.
+/// @throws Error{kInterrupted} after a signal, when all files are whole; as check_paths().
 pipeline::Summary run_video(const VideoRun& run);
 
 /// What both commands say in the end: frames, time, quality.

@@ -1,4 +1,4 @@
-#include "picture_list.h"
+#include "knotreel/video/picture_list.h"
 
 #include <fnmatch.h>
 
@@ -94,6 +94,11 @@ std::optional<NumberPattern> number_pattern(const std::string& path) {
   return pattern;
 }
 
+bool matches_pattern(const std::string& pattern, const std::string& name) {
+  if (const auto numbers = number_pattern(pattern)) return number_in(*numbers, name).has_value();
+  return ::fnmatch(fs::path(pattern).filename().c_str(), name.c_str(), 0) == 0;
+}
+
 bool means_pictures(const std::string& input) {
   std::error_code ignored;
   if (fs::is_directory(input, ignored)) return true;
@@ -109,9 +114,8 @@ std::vector<std::string> list_pictures(const std::string& input) {
   if (const auto pattern = folder ? std::nullopt : number_pattern(input)) {
     names = numbered(names, *pattern);
   } else {
-    const std::string wanted = fs::path(input).filename().string();
     std::erase_if(names, [&](const std::string& name) {
-      return folder ? !is_picture_name(name) : ::fnmatch(wanted.c_str(), name.c_str(), 0) != 0;
+      return folder ? !is_picture_name(name) : !matches_pattern(input, name);
     });
     std::sort(names.begin(), names.end(), natural_less);
   }

@@ -11,8 +11,8 @@ extern "C" {
 
 #include "knotreel/base/error.h"
 #include "knotreel/image/write_image.h"
+#include "knotreel/video/picture_list.h"
 #include "libav.h"
-#include "picture_list.h"
 #include "sink.h"
 
 namespace knotreel::video {

@@ -7,7 +7,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
 #include "knotreel/image/format.h"
-#include "picture_list.h"
+#include "knotreel/video/picture_list.h"
 #include "source.h"
 #include "stream_description.h"
 

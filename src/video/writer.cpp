@@ -4,8 +4,8 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/image/format.h"
+#include "knotreel/video/picture_list.h"
 #include "libav.h"
-#include "picture_list.h"
 #include "sink.h"
 
 namespace knotreel::video {

@@ -57,6 +57,63 @@ TEST(OutputFile, ReplacesWhatALinkPointsTo) {
   EXPECT_EQ(read_text(dir / "real.txt"), "new");
 }
 
+TEST(OutputFile, KeepsTheModeOfWhatItReplaces) {
+  const TempDir dir;
+  for (const auto mode : {fs::perms(0600), fs::perms(0666), fs::perms(0444)}) {
+    write_text(dir / "a.txt", "old");
+    fs::permissions(dir / "a.txt", mode);
+    OutputFile file(dir / "a.txt");
+    file.write("new");
+    file.commit();
+    EXPECT_EQ(read_text(dir / "a.txt"), "new");
+    EXPECT_EQ(fs::status(dir / "a.txt").permissions(), mode);
+    fs::remove(dir / "a.txt");
+  }
+}
+
+TEST(OutputFile, TwoOfOneNameDoNotMix) {
+  const TempDir dir;
+  OutputFile first(dir / "a.txt");
+  first.write("first");
+  first.flush();
+  OutputFile second(dir / "." / "a.txt");
+  second.write("2nd");
+  EXPECT_EQ(dir.entries(), 2u);
+  second.commit();
+  EXPECT_EQ(read_text(dir / "a.txt"), "2nd");
+  first.commit();
+  EXPECT_EQ(read_text(dir / "a.txt"), "first");
+  EXPECT_EQ(dir.entries(), 1u);
+}
+
+/// Process ids come again, in containers soon.
+TEST(OutputFile, APartOfADeadProcessIsReplaced) {
+  const TempDir dir;
+  write_text(dir / "precious.txt", "untouched");
+  const auto part = [&] {  // the only other file
+    for (const auto& entry : fs::directory_iterator(dir.path())) {
+      if (entry.path().extension() == ".part") return entry.path().string();
+    }
+    return std::string();
+  };
+  std::string name;
+  {
+    const OutputFile file(dir / "a");
+    name = part();
+  }
+  const std::string before = "." + std::to_string(::getpid()) + ".";
+  const std::size_t at = name.find(before) + before.size();
+  // Names are numbered: these are of the next objects, whether the first was the first of the process or not.
+  const int number = name.substr(at) == "part" ? 1 : std::stoi(name.substr(at));
+  fs::create_symlink("precious.txt", name.substr(0, at) + std::to_string(number + 1) + ".part");
+  OutputFile file(dir / "a");
+  file.write("new");
+  file.commit();
+  EXPECT_EQ(read_text(dir / "a"), "new");
+  EXPECT_EQ(read_text(dir / "precious.txt"), "untouched");
+  EXPECT_EQ(dir.entries(), 2u);
+}
+
 TEST(OutputFile, LargeAndPlacedWritesKeepTheirOrder) {
   const TempDir dir;
   std::string expected;

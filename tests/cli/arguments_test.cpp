@@ -31,6 +31,15 @@ TEST(Cli, EveryCommandHasHelpWithAnExample) {
   }
 }
 
+TEST(Cli, HelpTellsTheDefaultOfTheCommand) {
+  const auto help = [](const char* command) { return test::knotreel({command, "--help"}).out; };
+  EXPECT_NE(help("transcode").find("(default 2%, "), std::string::npos);
+  EXPECT_EQ(help("transcode").find("2.75%"), std::string::npos);
+  for (const char* command : {"vectorize", "batch"}) {
+    EXPECT_NE(help(command).find("(default 2.75%, of videos 2%, "), std::string::npos) << command;
+  }
+}
+
 TEST(Cli, VersionNamesTheLibraries) {
   const auto result = test::knotreel({"--version"});
   expect_success(result);
@@ -56,6 +65,7 @@ TEST(Cli, WrongUsageIsExit2) {
       {"render", "x.tcb", "-o", "x.png", "--background", "#12345g"},
       {"render", "x.tcb", "-o", "x.png", "--format", "docx"},
       {"compare", "x.png"},
+      {"compare", "x.tcb", "y.tcb", "--frame", "-1"},
       {"export", "x.tcb"},
       {"export", "x.tcb", "-o", "x.png"},
       {"export", "x.tcb", "-o", "x.pdf", "--format", "eps"},

@@ -136,6 +136,20 @@ TEST_F(CliBench, ComparisonMarksWhatDiffers) {
 
 TEST_F(CliBench, ErrorsAreThoseOfTheRuns) {
   expect_failure(knotreel({"bench", "--compare", path("no.json"), path("no.json")}), 3);
+  measured({"--threads", "1"});
+  const std::string head = R"({"commit": "c", "date": "d", "runs": )";
+  for (const std::string& text :
+       {std::string("{\"runs\":[]}"), std::string("[]"), std::string("{"), head + "[{}]}", head + "[5]}",
+        head + R"([{"clip": 1, "size": "s", "preset": "p", "threads": 1}]})",
+        head + R"([{"clip": "c", "size": "s", "preset": "p"}]})"}) {
+    SCOPED_TRACE(text);
+    test::write_text(path("wrong.json"), text);
+    for (const auto& files : {std::pair{path("wrong.json"), result_}, {result_, path("wrong.json")}}) {
+      const auto result = knotreel({"bench", "--compare", files.first, files.second});
+      expect_failure(result, 3);
+      EXPECT_NE(result.err.find("wrong.json"), std::string::npos) << result.err;
+    }
+  }
   expect_failure(knotreel({"bench", path("no.mp4")}), 3);
   const auto wrong = knotreel({"bench", "static", "--size", "64x36", "--frames", "2", "--threads", "1",
                                "--transcode-options", "--no-such-option"});

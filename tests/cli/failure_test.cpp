@@ -1,8 +1,14 @@
+#include <fcntl.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <future>
 
 #include "program.h"
+#include "support/clips.h"
 
 namespace knotreel {
 namespace {
@@ -121,6 +127,22 @@ TEST(CliOutput, AClosedPipeIsExit4WithoutAWord) {
   EXPECT_EQ(result.err, "");
 }
 
+TEST(CliOutput, AFifoIsOpenedOnce) {
+  const Sample sample;
+  const std::string fifo = sample.path("fifo");
+  ASSERT_EQ(::mkfifo(fifo.c_str(), 0600), 0);
+  const auto run_into = [&](const std::vector<std::string>& command) {
+    auto reader = std::async(std::launch::async, [&] { return read_text(fifo); });
+    expect_success(test::knotreel(command));
+    ::close(::open(fifo.c_str(), O_WRONLY | O_NONBLOCK));  // a program that never came to it
+    return reader.get();
+  };
+  EXPECT_TRUE(run_into({"vectorize", sample.picture, "-o", fifo}) == read_text(sample.document));
+  const std::string stats =
+      run_into({"vectorize", sample.picture, "-o", sample.path("other.tcb"), "--stats", fifo});
+  EXPECT_EQ(nlohmann::json::parse(stats)["file_bytes"], read_text(sample.document).size());
+}
+
 TEST(CliOutput, AFailureKeepsTheOldFile) {
   const Sample sample;
   write_text(sample.dir / "out.png", "old");
@@ -139,6 +161,33 @@ TEST(CliInterrupt, IsExit130AndTheOutputIsRemoved) {
                        {.signal_once = sample.dir / "out.png", .signal = signal});
     expect_failure(result, 130);
     EXPECT_EQ(sample.dir.entries(), 2u);
+  }
+}
+
+TEST(CliInterrupt, ASecondSignalOfAnotherKindEndsTheProgramAtOnce) {
+  const Sample sample;
+  test::write_clip(sample.path("clip.mkv"), 3);
+  const std::string nobody_reads = sample.path("fifo");
+  ASSERT_EQ(::mkfifo(nobody_reads.c_str(), 0600), 0);
+  for (const int second : {SIGTERM, SIGINT}) {
+    // It waits for a reader when the first signal comes, and goes on waiting.
+    const auto result = test::knotreel({"transcode", sample.path("clip.mkv"), "-f", "null", "--progress",
+                                        sample.path("progress"), "--stats", nobody_reads},
+                                       {.signal_once = sample.path("progress"),
+                                        .signal = second == SIGINT ? SIGTERM : SIGINT,
+                                        .second_signal = second});
+    EXPECT_EQ(result.exit_code, 128 + second);
+    std::filesystem::remove(sample.path("progress"));
+  }
+}
+
+TEST(CliInterrupt, AWriterThatTakesItsTimeIsNotWaitedFor) {
+  const Sample sample;
+  for (const std::string input : {"", "\x89PNG"}) {
+    const auto result = test::knotreel(
+        {"vectorize", "-", "-o", sample.path("out.tcb")},
+        {.input = input, .keep_input_open = true, .signal_once = sample.picture, .signal = SIGINT});
+    expect_failure(result, 130);
   }
 }
 

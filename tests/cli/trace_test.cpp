@@ -2,6 +2,8 @@
 #include <filesystem>
 #include <map>
 
+#include "cli/trace.h"
+#include "knotreel/base/error.h"
 #include "program.h"
 #include "support/clips.h"
 
@@ -44,6 +46,17 @@ double end_of(const json& event) {
 bool within(const json& inner, const json& outer) {
   return inner["tid"] == outer["tid"] && inner["args"]["frame"] == outer["args"]["frame"] &&
          begin_of(inner) >= begin_of(outer) - kRounding && end_of(inner) <= end_of(outer) + kRounding;
+}
+
+std::size_t open_files() {
+  return std::size_t(std::distance(std::filesystem::directory_iterator("/proc/self/fd"),
+                                   std::filesystem::directory_iterator()));
+}
+
+TEST(Trace, AFullDiskLeavesNothingOpen) {
+  const std::size_t before = open_files();
+  EXPECT_THROW(cli::Trace("/dev/full"), Error);
+  EXPECT_EQ(open_files(), before);
 }
 
 TEST_F(CliTrace, EveryStageOfEveryFrameIsOneEvent) {

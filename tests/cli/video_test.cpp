@@ -45,6 +45,25 @@ TEST_F(CliVideo, TranscodeKeepsFramesAndTimes) {
   for (std::size_t i = 0; i < times_.size(); ++i) EXPECT_EQ(info["frames"][i]["pts"], times_[i]);
 }
 
+TEST_F(CliVideo, AllWildcardsMeanPictures) {
+  for (const char* name : {"in_1.png", "in_2.png", "in_[3].png"}) {
+    image::write_image(path(name), test::moving_picture(48, 32, 3, 0));
+  }
+  for (const char* pattern : {"in_[0-9].png", "in_?.png", "in_%d.png"}) {
+    SCOPED_TRACE(pattern);
+    expect_success(knotreel({"vectorize", path(pattern), "-o", document_, "--preset", "fast"}));
+    EXPECT_EQ(json::parse(knotreel({"info", document_, "--json"}).out)["frame_count"], 2);
+  }
+  expect_success(knotreel({"vectorize", path("in_[3].png"), "-o", document_, "--preset", "fast"}));
+  EXPECT_EQ(json::parse(knotreel({"info", document_, "--json"}).out)["frame_count"], 1);
+}
+
+TEST_F(CliVideo, APercentSignAloneIsNoNumber) {
+  vectorize();
+  expect_success(knotreel({"render", document_, "-o", path("100%%d.png"), "--frame", "2"}));
+  EXPECT_TRUE(std::filesystem::exists(path("100%%d.png")));
+}
+
 TEST_F(CliVideo, Mp4KeepsVariableTimes) {
   const auto result = knotreel({"transcode", clip_, "-o", path("out.mp4"), "--preset", "fast"});
   expect_success(result);
@@ -415,15 +434,23 @@ TEST_F(CliVideo, AFullDiskIsExit4) {
 TEST_F(CliVideo, AfterASignalTheOutputsAreWhole) {
   const std::string longer = path("longer.mkv");
   test::write_clip(longer, 400);
-  const auto result =
-      knotreel({"transcode", longer, "-o", path("o.mkv"), "--preset", "fast", "--document", document_},
-               {.signal_once = path("clip.tcb."), .signal = SIGINT});
-  EXPECT_EQ(result.exit_code, 130) << result.err;
-  EXPECT_TRUE(result.err.starts_with("knotreel: interrupted")) << result.err;
-  if (!std::filesystem::exists(document_)) return;  // the signal came before the first frame
-  const json info = json::parse(knotreel({"info", document_, "--json"}).out);
-  EXPECT_TRUE(info["complete"]);
-  EXPECT_EQ(test::frame_times(path("o.mkv")).size(), info["frames"].size());
+  const auto expect_whole_after = [&](const test::ProcessOptions& signals) {
+    const auto result = knotreel(
+        {"transcode", longer, "-o", path("o.mkv"), "--preset", "fast", "--document", document_}, signals);
+    EXPECT_EQ(result.exit_code, 130) << result.err;
+    EXPECT_TRUE(result.err.starts_with("knotreel: interrupted")) << result.err;
+    if (!std::filesystem::exists(document_)) return;  // the signal came before the first frame
+    const json info = json::parse(knotreel({"info", document_, "--json"}).out);
+    EXPECT_TRUE(info["complete"]);
+    EXPECT_EQ(test::frame_times(path("o.mkv")).size(), info["frames"].size());
+    std::filesystem::remove(document_);
+  };
+  expect_whole_after({.signal_once = path("clip.tcb."), .signal = SIGINT});
+  // A terminal that closes is told by the system and by the shell.
+  expect_whole_after({.signal_once = path("clip.tcb."),
+                      .signal = SIGHUP,
+                      .second_signal = SIGHUP,
+                      .milliseconds_between = 3});
 }
 
 }  // namespace

@@ -8,7 +8,9 @@
 #include <unistd.h>
 
 #include <chrono>
+#include <fstream>
 #include <stdexcept>
+#include <thread>
 
 namespace knotreel::test {
 namespace {
@@ -65,6 +67,18 @@ bool begins_in_folder(const fs::path& prefix, std::uintmax_t bytes) {
   return false;
 }
 
+/// Whether a process has a handler for a signal, or can have none.
+bool is_ready_for(int signal, pid_t process) {
+  if (signal == SIGKILL) return true;
+  std::ifstream status("/proc/" + std::to_string(process) + "/status");
+  const std::string caught = "SigCgt:\t";
+  for (std::string line; std::getline(status, line);) {
+    if (!line.starts_with(caught)) continue;
+    return (std::stoull(line.substr(caught.size()), nullptr, 16) >> (signal - 1) & 1) != 0;
+  }
+  return true;
+}
+
 /// Reads what is there; closes the pipe at its end.
 void drain(int& end, std::string& text) {
   char buffer[65536];
@@ -96,19 +110,26 @@ ProcessResult run(const std::vector<std::string>& command, const ProcessOptions&
   bool signalled = options.signal == 0;
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(60);
   while (out.read_end >= 0 || err.read_end >= 0) {
-    if (given == options.input.size()) in.close_write();
-    pollfd waits[] = {{out.read_end, POLLIN, 0}, {err.read_end, POLLIN, 0}, {in.write_end, POLLOUT, 0}};
+    if (given == options.input.size() && !options.keep_input_open) in.close_write();
+    pollfd waits[] = {{out.read_end, POLLIN, 0},
+                      {err.read_end, POLLIN, 0},
+                      {given < options.input.size() ? in.write_end : -1, POLLOUT, 0}};
     ::poll(waits, 3, signalled ? 1000 : 2);
     if ((waits[0].revents & (POLLIN | POLLHUP)) != 0) drain(out.read_end, result.out);
     if ((waits[1].revents & (POLLIN | POLLHUP)) != 0) drain(err.read_end, result.err);
-    if (in.write_end >= 0 && (waits[2].revents & (POLLOUT | POLLERR)) != 0) {
+    if ((waits[2].revents & (POLLOUT | POLLERR)) != 0) {
       const ssize_t put = ::write(in.write_end, options.input.data() + given, options.input.size() - given);
       given = put > 0 ? given + std::size_t(put) : options.input.size();
     }
     if (options.close_output_after > 0 && result.out.size() >= options.close_output_after) out.close_read();
-    if (!signalled && begins_in_folder(options.signal_once, options.signal_at_bytes)) {
+    if (!signalled && begins_in_folder(options.signal_once, options.signal_at_bytes) &&
+        is_ready_for(options.signal, child)) {
       ::kill(child, options.signal);
       signalled = true;
+      if (options.second_signal != 0) {
+        std::this_thread::sleep_for(std::chrono::milliseconds(options.milliseconds_between));
+        ::kill(child, options.second_signal);
+      }
     }
     if (std::chrono::steady_clock::now() > deadline) ::kill(child, SIGKILL);
   }

@@ -9,9 +9,9 @@
 #include "knotreel/base/input_file.h"
 #include "knotreel/base/natural_order.h"
 #include "knotreel/image/write_image.h"
+#include "knotreel/video/picture_list.h"
 #include "support/pictures.h"
 #include "support/temp_dir.h"
-#include "video/picture_list.h"
 
 namespace knotreel::video {
 namespace {

@@ -47,9 +47,9 @@ class VideoReader {
  public:
   /// Opens a video and decodes its first frames.
   /// @param input  a file of any kind that libav reads; a URL; `-`, standard input, which may be a pipe; a
-  ///               picture; a folder of pictures or a pattern with `*` or `?`, taken in natural order; a
-  ///               pattern with one `%d` or `%04d`, taken by number. Frames are brought to the size of the
-  ///               first one.
+  ///               picture; a folder of pictures or a pattern with `*`, `?` or `[...]`, taken in natural
+  ///               order; a pattern with one `%d` or `%04d`, taken by number. Frames are brought to the size
+  ///               of the first one.
   /// @throws Error{kInput} if there is nothing that can be decoded, Error{kInvalidArgument} for options that
   /// the format does not know.
   static VideoReader open(const std::string& input, const ReadOptions& options = {});

@@ -6,6 +6,7 @@
 #include "cli/batch/clip_job.h"
 #include "cli/batch/run.h"
 #include "cli/command.h"
+#include "cli/distinct_paths.h"
 #include "cli/vectorize_options.h"
 #include "knotreel/base/error.h"
 
@@ -41,6 +42,19 @@ void make_output_folder(const std::string& folder) {
   if (error) throw Error(ErrorKind::kOutput, "cannot make folder '" + folder + "': " + error.message());
 }
 
+/// The folder of the inputs may be that of the outputs, and videos are called alike then.
+void check_lot(const std::vector<batch::Item>& items, const std::string& list, const std::string& manifest) {
+  std::vector<std::string> inputs;
+  std::vector<Output> outputs{{manifest}};
+  for (const batch::Item& item : items) {
+    inputs.push_back(item.input);
+    outputs.push_back({item.output});
+  }
+  std::error_code ignored;
+  if (!std::filesystem::is_directory(list, ignored)) inputs.push_back(list);
+  check_paths(inputs, outputs);
+}
+
 void run_batch(const Arguments& arguments) {
   effective_options(arguments.options, 1);  // wrong ones are told of now
   batch::Places places = arguments.places;
@@ -49,10 +63,11 @@ void run_batch(const Arguments& arguments) {
   batch::Lot lot;
   lot.items = batch::find_items(places);
   lot.crew = crew_for(arguments, lot.items.size());
-  make_output_folder(arguments.places.output);
   const std::string path = arguments.manifest.empty()
                                ? (std::filesystem::path(arguments.places.output) / "manifest.jsonl").string()
                                : arguments.manifest;
+  check_lot(lot.items, places.input, path);
+  make_output_folder(arguments.places.output);
   if (arguments.resume) lot.before = batch::read_manifest(path);
   batch::Manifest manifest(path, arguments.resume);
   batch::Progress progress(lot.items.size(), arguments.verbose);
@@ -126,7 +141,7 @@ void add_batch_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("batch", "Turn many pictures and videos into vector documents");
   const auto arguments = std::make_shared<Arguments>();
   add_places(*command, *arguments);
-  add_vectorize_options(*command, arguments->options);
+  add_vectorize_options(*command, arguments->options, "2.75%, of videos 2%");
   add_effort(*command, *arguments);
   add_clips(*command, *arguments);
   command->footer(kFooter);

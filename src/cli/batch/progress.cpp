@@ -1,32 +1,22 @@
 #include "cli/batch/progress.h"
 
-#include <fcntl.h>
 #include <fmt/core.h>
-#include <unistd.h>
 
 #include <cmath>
 
 #include "cli/command.h"
 #include "cli/metrics_report.h"
+#include "cli/printable.h"
+#include "cli/standard_error.h"
 
 namespace knotreel::cli::batch {
 namespace {
-
-constexpr const char* kClearLine = "\r\x1b[K";
 
 std::string duration_text(double seconds) {
   const auto whole = static_cast<long long>(std::ceil(seconds));
   if (whole < 60) return fmt::format("{} s", whole);
   if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
   return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
-}
-
-/// File names may hold anything, and a line is a line.
-std::string printable(std::string text) {
-  for (char& c : text) {
-    if (static_cast<unsigned char>(c) < 0x20 || c == 0x7f) c = '?';
-  }
-  return text;
 }
 
 std::string line_of(const Entry& entry) {
@@ -39,15 +29,12 @@ std::string line_of(const Entry& entry) {
 }  // namespace
 
 Progress::Progress(std::size_t total, bool verbose)
-    : verbose_(verbose),
-      error_stream_(::fcntl(STDERR_FILENO, F_DUPFD_CLOEXEC, 3)),
-      terminal_(::isatty(STDERR_FILENO) == 1) {
+    : verbose_(verbose), terminal_(standard_error_is_terminal()) {
   counts_.total = total;
 }
 
 Progress::~Progress() {
   clear();
-  if (error_stream_ >= 0) ::close(error_stream_);
 }
 
 void Progress::add(const Entry& entry) {
@@ -55,7 +42,7 @@ void Progress::add(const Entry& entry) {
   ++(entry.status == "done" ? counts_.done : entry.status == "failed" ? counts_.failed : counts_.skipped);
   clear();
   if (entry.status == "failed") {
-    put_error("knotreel: " + printable(entry.error) + "\n");
+    put_error_line(entry.error);
   } else if (verbose_) {
     write_text("-", printable(line_of(entry)) + "\n");
   }
@@ -88,11 +75,6 @@ void Progress::show() {
     text += fmt::format(", {:.2g} per second, {} to go", rate, duration_text(left / rate));
   }
   put_error(kClearLine + text);
-}
-
-void Progress::put_error(const std::string& text) {
-  // What cannot be shown is no reason to stop.
-  [[maybe_unused]] const ssize_t ignored = ::write(error_stream_, text.data(), text.size());
 }
 
 double Progress::seconds() const {

@@ -40,14 +40,11 @@ class Progress {
  private:
   void clear();
   void show();
-  void put_error(const std::string& text);
   double seconds() const;
 
   std::mutex mutex_;
   Counts counts_;
   bool verbose_;
-  // A copy: the codecs of some formats make standard error mute while they are at work.
-  int error_stream_;
   bool terminal_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };

@@ -11,6 +11,7 @@
 #include "cli/bench/measure.h"
 #include "cli/bench/tables.h"
 #include "cli/command.h"
+#include "cli/distinct_paths.h"
 #include "cli/interrupt.h"
 #include "cli/progress_line.h"
 #include "cli/video_options.h"
@@ -37,13 +38,13 @@ struct Arguments {
   std::string passthrough;
 };
 
-Json read_result(const std::string& path) {
+bench::Result read_result(const std::string& path) {
   std::ifstream file(path);
-  Json result = Json::parse(file, nullptr, false);
-  if (!result.is_object() || !result.contains("runs")) {
+  try {
+    return bench::result_of(Json::parse(file));
+  } catch (const Json::exception&) {
     throw Error(ErrorKind::kInput, "'" + path + "' is no result of knotreel bench");
   }
-  return result;
 }
 
 /// The options of the encoder as `transcode` takes them.
@@ -90,7 +91,7 @@ void measure_all(const Arguments& arguments, Json& result) {
       const bench::Clip clip = bench::prepare_clip(wanted, size, arguments.frames, scratch);
       for (const std::string& preset : arguments.presets) {
         const Json runs = bench::measure_clip(clip, setting_of(arguments, preset), scratch);
-        if (!arguments.markdown) {
+        if (!arguments.markdown && arguments.json != "-") {
           const bool first = result["runs"].empty();
           write_text("-", (first ? bench::surroundings_text(result) : "") + bench::runs_text(runs));
         }
@@ -117,10 +118,17 @@ void measure(const Arguments& arguments) {
   check_interrupted();
 }
 
+void check_outputs(const Arguments& arguments) {
+  std::vector<Output> outputs{{arguments.json}, video_output(arguments.passthrough)};
+  if (arguments.markdown || !arguments.passthrough.empty()) outputs.push_back({"-"});
+  check_paths(arguments.clips, outputs);
+}
+
 void run(const Arguments& arguments) {
+  check_outputs(arguments);
   if (!arguments.compare.empty()) {
-    const Json before = read_result(arguments.compare[0]);
-    const Json after = read_result(arguments.compare[1]);
+    const bench::Result before = read_result(arguments.compare[0]);
+    const bench::Result after = read_result(arguments.compare[1]);
     write_text("-", bench::comparison_text(before, after, arguments.threshold / 100));
   } else if (!arguments.passthrough.empty()) {
     if (arguments.clips.size() != 1) throw Error(ErrorKind::kInvalidArgument, "--passthrough takes one clip");

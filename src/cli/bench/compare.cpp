@@ -5,6 +5,8 @@
 #include <cmath>
 #include <map>
 
+#include "cli/printable.h"
+
 namespace knotreel::cli::bench {
 namespace {
 
@@ -13,14 +15,9 @@ using Json = nlohmann::ordered_json;
 constexpr double kPsnrThreshold = 0.2;  // dB
 
 std::string name_of(const Json& run) {
-  return fmt::format("{} {} {}, threads: {}", run["clip"].get<std::string>(), run["size"].get<std::string>(),
-                     run["preset"].get<std::string>(), run["threads"].get<int>());
-}
-
-std::map<std::string, Json> by_name(const Json& result) {
-  std::map<std::string, Json> runs;
-  for (const Json& run : result["runs"]) runs[name_of(run)] = run;
-  return runs;
+  return fmt::format("{} {} {}, threads: {}", run.at("clip").get<std::string>(),
+                     run.at("size").get<std::string>(), run.at("preset").get<std::string>(),
+                     run.at("threads").get<int>());
 }
 
 bool differs(const std::string& figure, double before, double after, double threshold) {
@@ -49,19 +46,26 @@ std::string run_text(const Json& before, const Json& after, double threshold) {
 
 }  // namespace
 
-std::string comparison_text(const Json& before, const Json& after, double threshold) {
-  std::string text = fmt::format("before: commit {}, {}\nafter:  commit {}, {}\n",
-                                 before["commit"].get<std::string>(), before["date"].get<std::string>(),
-                                 after["commit"].get<std::string>(), after["date"].get<std::string>());
-  auto others = by_name(after);
-  for (const Json& run : before["runs"]) {
-    const auto other = others.extract(name_of(run));
+Result result_of(const Json& json) {
+  Result result{
+      printable(json.at("commit").get<std::string>()), printable(json.at("date").get<std::string>()), {}};
+  for (const Json& run : json.at("runs")) result.runs.push_back({printable(name_of(run)), run});
+  return result;
+}
+
+std::string comparison_text(const Result& before, const Result& after, double threshold) {
+  std::string text = fmt::format("before: commit {}, {}\nafter:  commit {}, {}\n", before.commit, before.date,
+                                 after.commit, after.date);
+  std::map<std::string, Json> others;
+  for (const Result::Run& run : after.runs) others[run.name] = run.figures;
+  for (const Result::Run& run : before.runs) {
+    const auto other = others.extract(run.name);
     if (other.empty()) {
-      text += "\n" + name_of(run) + ": only before\n";
+      text += "\n" + run.name + ": only before\n";
       continue;
     }
-    text += fmt::format("\n{:<44}{:>14}{:>14}{:>9}\n", name_of(run), "before", "after", "ratio");
-    text += run_text(run, other.mapped(), threshold);
+    text += fmt::format("\n{:<44}{:>14}{:>14}{:>9}\n", run.name, "before", "after", "ratio");
+    text += run_text(run.figures, other.mapped(), threshold);
   }
   for (const auto& [name, run] : others) text += "\n" + name + ": only after\n";
   return text;

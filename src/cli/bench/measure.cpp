@@ -61,29 +61,29 @@ Json measure_run(const Clip& clip, const Setting& setting, int threads, const Sc
   arguments = joined(joined(arguments, setting.encoding), setting.vectorization);
   const ChildResult child = run_self(arguments, scratch);
   const Json stats = read_json(stats_file);
-  const double frames = stats["frame_count"];
+  const double frames = stats.at("frame_count");
   const double passthrough = passthrough_fps(clip, setting, threads, frames, scratch);
-  const double seconds = stats["seconds"];
+  const double seconds = stats.at("seconds");
   return {{"clip", clip.name},
           {"size", std::to_string(clip.width) + "x" + std::to_string(clip.height)},
           {"preset", setting.preset},
           {"threads", threads},
-          {"frames", stats["frame_count"]},
-          {"keyframes", stats["keyframes"]},
+          {"frames", stats.at("frame_count")},
+          {"keyframes", stats.at("keyframes")},
           {"seconds", seconds},
           {"start_and_end_seconds", child.seconds - seconds},
-          {"fps", stats["fps"]},
+          {"fps", stats.at("fps")},
           {"passthrough_fps", passthrough},
           {"share_of_passthrough", frames / seconds / passthrough},
-          {"first_frame_seconds", stats["first_frame_seconds"]},
-          {"busy_cores", stats["cpu_seconds"].get<double>() / seconds},
-          {"peak_memory_bytes", stats["peak_memory_bytes"]},
-          {"knots", stats["knots"]},
-          {"control_points", stats["control_points"]},
-          {"document_bytes_per_frame", stats["document_bytes"].get<double>() / frames},
+          {"first_frame_seconds", stats.at("first_frame_seconds")},
+          {"busy_cores", stats.at("cpu_seconds").get<double>() / seconds},
+          {"peak_memory_bytes", stats.at("peak_memory_bytes")},
+          {"knots", stats.at("knots")},
+          {"control_points", stats.at("control_points")},
+          {"document_bytes_per_frame", stats.at("document_bytes").get<double>() / frames},
           {"video_bytes_per_frame", double(std::filesystem::file_size(video)) / frames},
-          {"psnr", stats["psnr"]},
-          {"ssim", stats["ssim"]},
+          {"psnr", stats.at("psnr")},
+          {"ssim", stats.at("ssim")},
           {"cold", frames_json(stats, false)},
           {"warm", frames_json(stats, true)}};
 }
@@ -112,7 +112,7 @@ Json frames_json(const Json& stats, bool warm) {
   double seconds = 0;
   double before = 0;
   // Models of different stretches may be ready in another order than that of the frames.
-  std::vector<Json> rows = stats["frames"];
+  std::vector<Json> rows = stats.at("frames");
   const auto sooner = [](const Json& a, const Json& b) { return a["modelled"] < b["modelled"]; };
   std::stable_sort(rows.begin(), rows.end(), sooner);
   for (const Json& row : rows) {
@@ -127,7 +127,7 @@ Json frames_json(const Json& stats, bool warm) {
   divide(stages, count);
   divide(parts, count);
   // What is left to do after the last model belongs to all frames.
-  seconds += (stats["seconds"].get<double>() - before) * count / stats["frame_count"].get<double>();
+  seconds += (stats.at("seconds").get<double>() - before) * count / stats.at("frame_count").get<double>();
   return {{"frames", count},
           {"fps", count > 0 ? Json(count / seconds) : Json(nullptr)},
           {"milliseconds", stages},

@@ -4,6 +4,8 @@
 
 #include <vector>
 
+#include "cli/printable.h"
+
 namespace knotreel::cli::bench {
 namespace {
 
@@ -73,7 +75,8 @@ std::string head_of(const std::vector<std::string>& cells) {
 }
 
 std::vector<std::string> key_cells(const Json& run) {
-  return {run["clip"], run["size"], run["preset"], fmt::format("{}", run["threads"].get<int>())};
+  return {printable(run["clip"].get<std::string>()), run["size"], run["preset"],
+          fmt::format("{}", run["threads"].get<int>())};
 }
 
 const std::vector<std::string> kKeys{"clip", "size", "preset", "threads"};
@@ -122,9 +125,10 @@ std::string surroundings_text(const Json& result) {
 
 std::string runs_text(const Json& runs) {
   const Json& first = runs.front();
-  std::string text = fmt::format("\n{} {}, {} frames, {}\n  {:<22}", first["clip"].get<std::string>(),
-                                 first["size"].get<std::string>(), first["frames"].get<int>(),
-                                 first["preset"].get<std::string>(), "threads");
+  std::string text =
+      fmt::format("\n{} {}, {} frames, {}\n  {:<22}", printable(first["clip"].get<std::string>()),
+                  first["size"].get<std::string>(), first["frames"].get<int>(),
+                  first["preset"].get<std::string>(), "threads");
   for (const Json& run : runs) text += fmt::format("{:>12}", run["threads"].get<int>());
   text += "\n";
   for (const Figure& figure : kFigures) text += line_text(runs, figure);

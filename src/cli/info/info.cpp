@@ -6,6 +6,7 @@
 #include "cli/frame_source.h"
 #include "cli/info/facts.h"
 #include "cli/pictures.h"
+#include "cli/printable.h"
 #include "cli/video_run.h"
 #include "knotreel/image/read_image.h"
 
@@ -42,6 +43,20 @@ std::string picture_text(const std::string& path, const Facts& facts) {
       facts["file_bytes"].get<std::uint64_t>());
 }
 
+/// With no control character in any text: not all that files say of themselves is well meant.
+Facts printable_facts(const Facts& facts) {
+  if (facts.is_string()) return printable(facts.get<std::string>());
+  if (facts.is_array()) {
+    Facts all = Facts::array();
+    for (const Facts& part : facts) all.push_back(printable_facts(part));
+    return all;
+  }
+  if (!facts.is_object()) return facts;
+  Facts all = Facts::object();
+  for (const auto& [name, part] : facts.items()) all[printable(name)] = printable_facts(part);
+  return all;
+}
+
 /// What is of none of the kinds is refused as a document.
 bool tells_of_video(const std::string& path) {
   return !is_document(path) && !path.ends_with(".tcb") && is_video(path, {});
@@ -49,8 +64,8 @@ bool tells_of_video(const std::string& path) {
 
 void print_info(const std::string& path, bool json) {
   const auto tell = [&](const Facts& facts, std::string (*text)(const std::string&, const Facts&)) {
-    write_text("-",
-               json ? facts.dump(2, ' ', false, Facts::error_handler_t::replace) + "\n" : text(path, facts));
+    write_text("-", json ? facts.dump(2, ' ', false, Facts::error_handler_t::replace) + "\n"
+                         : text(printable(path), printable_facts(facts)));
   };
   if (tells_of_video(path)) {
     tell(video_facts(path), video_text);

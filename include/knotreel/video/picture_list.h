@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstdint>
 #include <optional>
 #include <string>
 #include <vector>
@@ -15,6 +16,10 @@ struct NumberPattern {
 
 /// @returns none if the file name (not its folder) has not exactly one such part. `%%` stands for `%`.
 std::optional<NumberPattern> number_pattern(const std::string& path);
+
+/// Whether the name of a file, without its folder, is one of those that a pattern means: by `%d`, or else by
+/// `*`, `?` and `[...]`.
+bool matches_pattern(const std::string& pattern, const std::string& name);
 
 /// Whether an input means several pictures: a folder, or, unless a file is called so, a pattern.
 bool means_pictures(const std::string& input);
