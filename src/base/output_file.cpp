@@ -24,6 +24,22 @@ fs::path part_name(fs::path target) {
   return target;
 }
 
+/// The file that links point to, which is not there yet.
+/// @returns false if links go in circles.
+bool follow_links(fs::path& target) {
+  constexpr int kMost = 40;  // as the system's own bound
+  std::error_code error;
+  fs::path place = target;
+  for (int i = 0; i < kMost; ++i) {
+    if (!fs::is_symlink(place, error)) {
+      target = place;
+      return true;
+    }
+    place = place.parent_path() / fs::read_symlink(place, error);
+  }
+  return false;
+}
+
 /// @returns a descriptor of a new file, or -1 with errno.
 int create(const fs::path& path, mode_t mode) {
   constexpr int kFlags = O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC;
@@ -43,10 +59,11 @@ OutputFile::OutputFile(const fs::path& path) : name_("'" + path.string() + "'"),
     return;
   }
   std::error_code ignored;
-  // A symbolic link stays one: the file it points to is replaced, in its own folder.
-  if (fs::is_symlink(target_, ignored)) {
-    const fs::path real = fs::canonical(target_, ignored);
-    if (!real.empty()) target_ = real;
+  // A symbolic link stays one: the file it points to is replaced, or made, in its own folder.
+  if (!fs::exists(target_, ignored)) {
+    if (!follow_links(target_)) fail(ELOOP);
+  } else if (const fs::path real = fs::canonical(target_, ignored); !real.empty()) {
+    target_ = real;  // pipes that are named by a link have no other name
   }
   struct stat status {};
   const bool exists = ::stat(target_.c_str(), &status) == 0;

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "cli/pictures.h"
+#include "cli/standard_input.h"
 #include "cli/video_run.h"
 #include "knotreel/base/input_file.h"
 
@@ -38,8 +39,7 @@ class VideoFrames : public FrameSource {
 
 class DocumentFrames : public FrameSource {
  public:
-  explicit DocumentFrames(const std::string& path)
-      : reader_(document::Reader::open(path)), turn_(turn_of(reader_)) {}
+  explicit DocumentFrames(const std::string& path) : reader_(open_document(path)), turn_(turn_of(reader_)) {}
 
   bool next(image::Image& image) override {
     if (next_ == reader_.frame_count()) return false;
@@ -57,16 +57,17 @@ class DocumentFrames : public FrameSource {
 
 bool is_document(const std::string& path) {
   std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return false;
-  const std::vector<std::byte> start = read_start(path, 4);
+  if (path != "-" && !std::filesystem::is_regular_file(path, ignored)) return false;
+  const std::vector<std::byte> start = path == "-" ? peek_standard_input(4) : read_start(path, 4);
   // "\x89TCB"
   constexpr std::array kMagic{std::byte{0x89}, std::byte{'T'}, std::byte{'C'}, std::byte{'B'}};
   return std::equal(start.begin(), start.end(), kMagic.begin(), kMagic.end());
 }
 
 bool has_frames(const std::string& path) {
+  if (path == "-") return false;
   if (is_document(path)) return document::Reader::open(path).frame_count() > 1;
-  return path != "-" && !path.ends_with(".tcb") && is_video(path, {});
+  return !path.ends_with(".tcb") && is_video(path, {});
 }
 
 std::unique_ptr<FrameSource> open_frames(const std::string& path, int threads) {

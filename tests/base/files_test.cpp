@@ -57,6 +57,21 @@ TEST(OutputFile, ReplacesWhatALinkPointsTo) {
   EXPECT_EQ(read_text(dir / "real.txt"), "new");
 }
 
+TEST(OutputFile, MakesWhatALinkPointsTo) {
+  const TempDir dir;
+  fs::create_directory(dir / "there");
+  fs::create_symlink("there/second", dir / "first");
+  fs::create_symlink("real.txt", dir / "there/second");
+  OutputFile file(dir / "first");
+  file.write("new");
+  file.commit();
+  EXPECT_TRUE(fs::is_symlink(dir / "first"));
+  EXPECT_EQ(read_text(dir / "there/real.txt"), "new");
+  fs::create_symlink("circle", dir / "circle");
+  EXPECT_THROW(OutputFile(dir / "circle"), Error);
+  EXPECT_EQ(dir.entries(), 3u);
+}
+
 TEST(OutputFile, KeepsTheModeOfWhatItReplaces) {
   const TempDir dir;
   for (const auto mode : {fs::perms(0600), fs::perms(0666), fs::perms(0444)}) {

@@ -160,6 +160,8 @@ TEST(CliCompare, JsonHoldsTheFiguresOfTheLibrary) {
 TEST(CliInfo, TellsAboutDocumentsAndPictures) {
   const Sample sample;
   const auto document = test::knotreel({"info", sample.document, "--json"});
+  const auto piped = test::knotreel({"info", "-", "--json"}, {.input = test::read_text(sample.document)});
+  EXPECT_EQ(piped.out, document.out) << piped.err;
   expect_success(document);
   const json info = json::parse(document.out);
   EXPECT_EQ(info["kind"], "document");

@@ -5,6 +5,7 @@
 
 #include "cli/info/facts.h"
 #include "cli/interrupt.h"
+#include "cli/pictures.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/pipeline/sequence.h"
 
@@ -72,7 +73,7 @@ std::string counts_text(const Facts& facts) {
 }  // namespace
 
 Facts document_facts(const std::string& path) {
-  document::Reader reader = document::Reader::open(path);
+  document::Reader reader = open_document(path);
   const document::SequenceInfo& info = reader.info();
   Facts frames = Facts::array();
   std::uint64_t groups = 0;

@@ -59,7 +59,7 @@ Facts printable_facts(const Facts& facts) {
 
 /// What is of none of the kinds is refused as a document.
 bool tells_of_video(const std::string& path) {
-  return !is_document(path) && !path.ends_with(".tcb") && is_video(path, {});
+  return !path.ends_with(".tcb") && is_video(path, {});
 }
 
 void print_info(const std::string& path, bool json) {
@@ -67,7 +67,9 @@ void print_info(const std::string& path, bool json) {
     write_text("-", json ? facts.dump(2, ' ', false, Facts::error_handler_t::replace) + "\n"
                          : text(printable(path), printable_facts(facts)));
   };
-  if (tells_of_video(path)) {
+  if (is_document(path)) {
+    tell(document_facts(path), document_text);
+  } else if (tells_of_video(path)) {
     tell(video_facts(path), video_text);
   } else if (is_picture(path)) {
     tell(picture_facts(path), picture_text);
@@ -86,9 +88,7 @@ void add_info_command(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("info", "Tell what is in a vector document, a picture or a video");
   const auto arguments = std::make_shared<Arguments>();
-  command
-      ->add_option("FILE", arguments->input,
-                   "Vector document, picture or video; '-': a picture from standard input")
+  command->add_option("FILE", arguments->input, "Vector document, picture or video; '-': standard input")
       ->type_name("")
       ->required();
   command->add_flag("--json", arguments->json, "Print as JSON, with a list of all frames of a document");
