@@ -5,6 +5,7 @@
 
 #include "document/crc32c.h"
 #include "knotreel/base/error.h"
+#include "knotreel/document/limits.h"
 
 namespace knotreel::document {
 namespace {
@@ -134,6 +135,7 @@ std::vector<FrameRecord> parse_index(std::span<const std::byte> payload) {
     r.frame = last.frame + static_cast<std::uint64_t>(in.svarint());
     r.pts = static_cast<std::int64_t>(static_cast<std::uint64_t>(last.pts) +
                                       static_cast<std::uint64_t>(in.svarint()));
+    if (!is_time(r.pts)) malformed("the time of a frame is out of range");
     last = r;
   }
   if (in.remaining() > 0) malformed("data after the index");

@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "document/sample_models.h"
 #include "knotreel/base/error.h"
+#include "knotreel/document/limits.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/document/writer.h"
@@ -183,6 +185,9 @@ TEST(Document, RefusesModelsThatDoNotFit) {
   EXPECT_TRUE(refuses([](FrameModel& m) { m.displacement[0].x = 1e12; }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = 0.26; }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = -0.01; }));
+  EXPECT_FALSE(refuses([](FrameModel& m) { m.pts = -document::kMaxPts; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.pts = document::kMaxPts + 1; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.pts = std::numeric_limits<std::int64_t>::min(); }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = std::nan(""); }));
 }
 

@@ -1,11 +1,16 @@
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
 #include <sstream>
 
+#include "document/bytes.h"
+#include "document/container.h"
+#include "document/frame_codec.h"
 #include "document/sample_models.h"
+#include "knotreel/document/limits.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/document/writer.h"
 
@@ -102,6 +107,27 @@ TEST(Sequence, TheSoftnessOfEdgesStaysUntilItChanges) {
   const auto bytes = std::as_bytes(std::span(text));
   Reader reader = Reader::open({bytes.begin(), bytes.end()});
   for (std::size_t f = 0; f < softness.size(); ++f) EXPECT_EQ(reader.read(f).edge_softness, softness[f]) << f;
+}
+
+/// Such as no writer gives.
+TEST(Sequence, TimesOutOfRangeAreRefused) {
+  const auto index_with = [](std::int64_t pts) {
+    return document::parse_index(document::write_index({{0, 16, 0, 0, true}, {16, 16, 1, pts, false}}));
+  };
+  EXPECT_EQ(index_with(document::kMaxPts)[1].pts, document::kMaxPts);
+  const auto prefix_with = [](std::int64_t pts) {
+    document::ByteWriter out;
+    out.u8(4);
+    out.varint(0);
+    out.svarint(pts);
+    return document::read_prefix(out.view()).pts;
+  };
+  EXPECT_EQ(prefix_with(-document::kMaxPts), -document::kMaxPts);
+  const auto least = std::numeric_limits<std::int64_t>::min();
+  for (const std::int64_t pts : {document::kMaxPts + 1, -document::kMaxPts - 1, least}) {
+    EXPECT_THROW(index_with(pts), document::Malformed);
+    EXPECT_THROW(prefix_with(pts), document::Malformed);
+  }
 }
 
 TEST(Sequence, ARepeatedKeyframeStaysAsItIs) {
