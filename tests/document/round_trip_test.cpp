@@ -84,6 +84,14 @@ TEST(Document, AModelOverAStoredMeshIsStoredWithTheSpaceAndTheRoundedGeometryItH
 }
 
 /// The same model over its stored space makes the same file, and is stored with that very space.
+TEST(Document, StoredMeshesHaveNoGridOutOfRange) {
+  const FrameModel model = testing::random_model(testing::random_mesh(64, 48, 30, 1, kSeed), 2, 3, kSeed);
+  for (const int bits : {-1, 15, std::numeric_limits<int>::max()}) {
+    EXPECT_THROW(document::stored_mesh(model.space->mesh(), bits), Error);
+    EXPECT_THROW(document::stored_space(model.space, bits), Error);
+  }
+}
+
 TEST(Document, AStoredSpaceHasTheFunctionsOfTheOneGiven) {
   constexpr int kBits = 5;
   for (const testing::MeshCase& c : all_cases()) {
