@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <limits>
 #include <map>
 #include <random>
@@ -127,6 +128,21 @@ TEST(Sequence, TimesOutOfRangeAreRefused) {
   for (const std::int64_t pts : {document::kMaxPts + 1, -document::kMaxPts - 1, least}) {
     EXPECT_THROW(index_with(pts), document::Malformed);
     EXPECT_THROW(prefix_with(pts), document::Malformed);
+  }
+}
+
+TEST(Sequence, NamesOfMetadataAscend) {
+  document::Format format;
+  format.info.width = format.info.height = format.info.channels = format.info.degree = 1;
+  format.colour_step = format.displacement_step = 1;
+  format.info.metadata = {{"a", ""}, {"b", ""}, {"\xC3\xBC", ""}};
+  const std::vector<std::byte> good = document::write_header(format);
+  EXPECT_EQ(document::parse_header(good).info.metadata, format.info.metadata);
+  const auto a = std::find(good.begin(), good.end(), std::byte{'a'}) - good.begin();
+  for (const char first : {'b', 'c'}) {
+    std::vector<std::byte> bad = good;
+    bad[static_cast<std::size_t>(a)] = static_cast<std::byte>(first);
+    EXPECT_THROW(document::parse_header(bad), document::Malformed) << first;
   }
 }
 
