@@ -2,6 +2,7 @@
 
 #include <cmath>
 #include <filesystem>
+#include <fstream>
 #include <random>
 #include <span>
 #include <sstream>
@@ -94,7 +95,8 @@ void BM_OpenDocument(benchmark::State& state) {
   {
     EncodeOptions options;
     options.rename_knots = true;
-    Writer writer(path, bench_info(), options);
+    std::ofstream file(path, std::ios::binary);
+    Writer writer(file, bench_info(), options);
     writer.append(model);
     writer.finish();
   }

@@ -97,7 +97,9 @@ std::vector<std::byte> read_whole(const std::filesystem::path& path, std::uint64
         fail(path, kind, "larger than the " + std::to_string(max_bytes >> 20) + " MiB that are accepted");
       }
       if (got < step) return bytes;
-      step = std::max<std::size_t>(bytes.size(), 1 << 16);
+      // As much again, but not more than one byte beyond what is accepted: that is enough to refuse it.
+      step = static_cast<std::size_t>(std::min<std::uint64_t>(std::max<std::size_t>(bytes.size(), 1 << 16),
+                                                              max_bytes - bytes.size() + 1));
     }
   } catch (const std::bad_alloc&) {
     fail(path, kind, "not enough memory");

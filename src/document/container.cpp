@@ -5,6 +5,7 @@
 
 #include "document/crc32c.h"
 #include "knotreel/base/error.h"
+#include "knotreel/document/limits.h"
 
 namespace knotreel::document {
 namespace {
@@ -99,8 +100,10 @@ Format parse_header(std::span<const std::byte> payload) {
   for (std::uint64_t left = in.varint_in(0, in.remaining(), "the number of metadata"); left > 0; --left) {
     std::string name = in.text();
     std::string value = in.text();
-    if (!format.info.metadata.emplace(std::move(name), std::move(value)).second)
-      malformed("metadata repeat a name");
+    auto& metadata = format.info.metadata;
+    if (!metadata.empty() && name <= metadata.rbegin()->first)
+      malformed("the names of metadata are not distinct and ascending");
+    metadata.emplace_hint(metadata.end(), std::move(name), std::move(value));
   }
   if (in.remaining() > 0) malformed("data after the header");
   return format;
@@ -134,6 +137,7 @@ std::vector<FrameRecord> parse_index(std::span<const std::byte> payload) {
     r.frame = last.frame + static_cast<std::uint64_t>(in.svarint());
     r.pts = static_cast<std::int64_t>(static_cast<std::uint64_t>(last.pts) +
                                       static_cast<std::uint64_t>(in.svarint()));
+    if (!is_time(r.pts)) malformed("the time of a frame is out of range");
     last = r;
   }
   if (in.remaining() > 0) malformed("data after the index");

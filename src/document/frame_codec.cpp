@@ -14,6 +14,7 @@
 #include "document/quantise.h"
 #include "document/topology_coding.h"
 #include "knotreel/base/error.h"
+#include "knotreel/document/limits.h"
 
 namespace knotreel::document {
 namespace {
@@ -34,6 +35,7 @@ FramePrefix read_prefix(ByteReader& in, std::uint8_t& flags) {
   prefix.keyframe = flags & kKeyframe;
   prefix.frame = in.varint();
   prefix.pts = in.svarint();
+  if (!is_time(prefix.pts)) malformed("the time of a frame is out of range");
   return prefix;
 }
 
@@ -99,6 +101,7 @@ void require_fitting(const FrameModel& model, const Format& format) {
           "it has too few or too many control colours");
   require(model.edge_softness >= 0 && model.edge_softness <= kMostEdgeSoftness,
           "the softness of its edges is out of range");
+  require(is_time(model.pts), "its time is out of range");
 }
 
 /// Function ids of a state whose space is set: those of matching functions before, new ones for the rest.

@@ -48,6 +48,8 @@ KnotGrid snap(const mesh::KnotMesh& mesh, int bits) {
 }  // namespace
 
 KnotGrid quantise_knots(CanonicalMesh& numbering, int least_bits) {
+  if (least_bits < kMinKnotBits || least_bits > kMaxKnotBits)
+    throw Error(ErrorKind::kInvalidArgument, "the knot bits of a document are 0 to 14");
   mesh::KnotMesh& mesh = numbering.mesh;
   for (const mesh::Knot& k : mesh.knots) {
     if (!std::isfinite(k.position.x) || !std::isfinite(k.position.y)) {

@@ -2,11 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
-#include <fstream>
 #include <optional>
 #include <ostream>
 #include <string>
-#include <system_error>
 
 #include "document/container.h"
 #include "document/frame_codec.h"
@@ -51,19 +49,11 @@ Format make_format(SequenceInfo info, const EncodeOptions& options) {
 
 class Writer::Impl {
  public:
-  /// @param out  null to write to `path`.
-  Impl(std::ostream* out, std::filesystem::path path, SequenceInfo info, const EncodeOptions& options)
+  Impl(std::ostream& out, SequenceInfo info, const EncodeOptions& options)
       : format_(make_format(std::move(info), options)),
         keyframes_{options.knot_bits, kKeyframeUnit, options.rename_knots},
         deltas_{std::min(options.knot_bits, options.delta_knot_bits), delta_unit(options), false},
-        path_(std::move(path)) {
-    if (!out) {
-      part_ = path_;
-      part_ += ".part";
-      file_.open(part_, std::ios::binary | std::ios::trunc);
-      if (!file_) fail("cannot be created");
-    }
-    out_ = out ? out : &file_;
+        out_(out) {
     put(preamble());
     put(chunk(ChunkType::kHeader, write_header(format_)));
     flush();
@@ -90,12 +80,6 @@ class Writer::Impl {
     put(chunk(ChunkType::kIndex, write_index(records_)));
     put(chunk(ChunkType::kEnd, end.view()));
     flush();
-    if (part_.empty()) return;
-    file_.close();
-    if (!file_) fail("cannot be written");
-    std::error_code error;
-    std::filesystem::rename(part_, path_, error);
-    if (error) fail("cannot be moved into place: " + error.message());
   }
 
  private:
@@ -120,39 +104,29 @@ class Writer::Impl {
   }
 
   void put(const std::vector<std::byte>& bytes) {
-    out_->write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
+    out_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
     position_ += bytes.size();
   }
 
-  void flush() {
-    if (!out_->flush()) fail("cannot be written");
-  }
-
   /// After a failed write the last chunk may be cut off, so nothing must follow it.
-  [[noreturn]] void fail(const std::string& what) {
+  void flush() {
+    if (out_.flush()) return;
     finished_ = true;
-    const std::string name = part_.empty() ? "the document" : part_.string();
-    throw Error(ErrorKind::kOutput, name + " " + what);
+    throw Error(ErrorKind::kOutput, "the document cannot be written");
   }
 
   Format format_;
   QuantiseOptions keyframes_;
   QuantiseOptions deltas_;
-  std::filesystem::path path_;
-  std::filesystem::path part_;  ///< empty when writing to a stream
-  std::ofstream file_;
-  std::ostream* out_ = nullptr;
+  std::ostream& out_;
   std::uint64_t position_ = 0;
   std::vector<FrameRecord> records_;
   std::optional<FrameState> state_;  ///< the last frame as written
   bool finished_ = false;
 };
 
-Writer::Writer(const std::filesystem::path& path, SequenceInfo info, EncodeOptions options)
-    : impl_(std::make_unique<Impl>(nullptr, path, std::move(info), options)) {}
-
 Writer::Writer(std::ostream& out, SequenceInfo info, EncodeOptions options)
-    : impl_(std::make_unique<Impl>(&out, std::filesystem::path(), std::move(info), options)) {}
+    : impl_(std::make_unique<Impl>(out, std::move(info), options)) {}
 
 Writer::~Writer() = default;
 Writer::Writer(Writer&&) noexcept = default;

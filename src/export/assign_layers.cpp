@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <numeric>
+#include <set>
+#include <unordered_map>
 
 #include "export/layers.h"
 
@@ -7,13 +9,13 @@ namespace knotreel::exporting {
 
 namespace {
 
-/// Regions of faces that may share a layer, and the pairs of faces that must not.
+/// Regions of faces that may share a layer, and the fans whose faces must not. Fans may have very many faces,
+/// so what is told of their faces is told of the fans.
 class Regions {
  public:
   explicit Regions(const Sheets& sheets) : sheets_(sheets), parent_(sheets.faces().size()) {
     std::iota(parent_.begin(), parent_.end(), 0u);
     members_.resize(parent_.size());
-    rivals_.resize(parent_.size());
     for (std::uint32_t f = 0; f < parent_.size(); ++f) members_[f] = {f};
     collect_rivals();
     join_fans();
@@ -27,26 +29,29 @@ class Regions {
     return f;
   }
 
-  /// The faces on both sides of each feature edge, and all pairs from the two fans that meet at its origin.
+  /// The two fans that meet at an end of a feature edge. Those of one of its ends at least are two, so the
+  /// faces on both sides of the edge are among them.
   void collect_rivals() {
     for (std::uint32_t h = 0; h < sheets_.half_edge_count(); ++h) {
       if (!sheets_.is_feature(h)) continue;
-      const std::uint32_t o = sheets_.opposite(h);
-      rivals_[h / 3].push_back(o / 3);
       const CornerIndex here = sheets_.origin(h);
-      const CornerIndex there = sheets_.target(o);
+      const CornerIndex there = sheets_.target(sheets_.opposite(h));
       if (here == there) continue;  // an open tip: its one fan lies on both sides
-      for (const std::uint32_t a : sheets_.around(here)) {
-        for (const std::uint32_t b : sheets_.around(there)) {
-          rivals_[a / 3].push_back(b / 3);
-          rivals_[b / 3].push_back(a / 3);
-        }
+      add_rival(here, there);
+      add_rival(there, here);
+    }
+    fans_.resize(parent_.size());
+    for (std::uint32_t f = 0; f < parent_.size(); ++f) {
+      for (const CornerIndex c : sheets_.faces()[f]) {
+        if (rivals_.contains(c)) fans_[f].insert(c);
       }
     }
-    for (auto& r : rivals_) {
-      std::sort(r.begin(), r.end());
-      r.erase(std::unique(r.begin(), r.end()), r.end());
-    }
+  }
+
+  /// A fan has one rival or two.
+  void add_rival(CornerIndex fan, CornerIndex rival) {
+    std::vector<CornerIndex>& all = rivals_[fan];
+    if (std::find(all.begin(), all.end(), rival) == all.end()) all.push_back(rival);
   }
 
   /// One region for each fan around a knot of a feature, as far as no rivals come together; around open tips
@@ -65,45 +70,48 @@ class Regions {
     g = find(g);
     if (f == g) return;
     if (members_[f].size() < members_[g].size()) std::swap(f, g);
-    for (const std::uint32_t member : members_[g]) {
-      for (const std::uint32_t rival : rivals_[member]) {
-        if (find(rival) == f) return;
+    for (const CornerIndex fan : fans_[g]) {
+      for (const CornerIndex rival : rivals_.at(fan)) {
+        if (fans_[f].contains(rival)) return;
       }
     }
     parent_[g] = f;
     members_[f].insert(members_[f].end(), members_[g].begin(), members_[g].end());
     members_[g] = {};
+    fans_[f].merge(fans_[g]);
+    fans_[g] = {};
   }
 
   const Sheets& sheets_;
   std::vector<std::uint32_t> parent_;
   std::vector<std::vector<std::uint32_t>> members_;
-  std::vector<std::vector<std::uint32_t>> rivals_;
+  std::unordered_map<CornerIndex, std::vector<CornerIndex>> rivals_;  ///< of fans that have any
+  std::vector<std::set<CornerIndex>> fans_;  ///< by region: those of its faces that have rivals
 };
 
 /// Greedy colouring, largest region first. Faces without rivals stay in layer 0.
 std::vector<std::uint32_t> Regions::layers() const {
   std::vector<std::uint32_t> order;
   for (std::uint32_t f = 0; f < parent_.size(); ++f) {
-    if (parent_[f] == f && (members_[f].size() > 1 || !rivals_[f].empty())) order.push_back(f);
+    if (parent_[f] == f && (members_[f].size() > 1 || !fans_[f].empty())) order.push_back(f);
   }
   std::stable_sort(order.begin(), order.end(),
                    [&](std::uint32_t a, std::uint32_t b) { return members_[a].size() > members_[b].size(); });
-  constexpr std::uint32_t kUnset = 0xffffffffu;
-  std::vector<std::uint32_t> layer(parent_.size(), kUnset);
+  std::vector<std::uint32_t> layer(parent_.size(), 0);
+  std::unordered_map<CornerIndex, std::set<std::uint32_t>> layers_of;  // of the faces of a fan
   for (const std::uint32_t region : order) {
-    std::vector<std::uint32_t> taken;
-    for (const std::uint32_t member : members_[region]) {
-      for (const std::uint32_t rival : rivals_[member]) {
-        if (layer[rival] != kUnset) taken.push_back(layer[rival]);
+    std::set<std::uint32_t> taken;
+    for (const CornerIndex fan : fans_[region]) {
+      for (const CornerIndex rival : rivals_.at(fan)) {
+        const std::set<std::uint32_t>& theirs = layers_of[rival];
+        taken.insert(theirs.begin(), theirs.end());
       }
     }
-    std::sort(taken.begin(), taken.end());
     std::uint32_t free = 0;
     for (const std::uint32_t t : taken) free += t == free ? 1 : 0;
     for (const std::uint32_t member : members_[region]) layer[member] = free;
+    for (const CornerIndex fan : fans_[region]) layers_of[fan].insert(free);
   }
-  std::replace(layer.begin(), layer.end(), kUnset, 0u);
   return layer;
 }
 

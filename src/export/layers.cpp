@@ -73,7 +73,11 @@ class RimFinder {
         if (other != own) rims.push_back({g, false, own_colour, own_colour ? 0 : c, other > own});
       }
     };
-    add_fan(c, true);
+    // All faces of the fan and of the layer ask for the same.
+    const auto around = sheets_.around(c);
+    const auto first =
+        std::find_if(around.begin(), around.end(), [&](std::uint32_t g) { return layer_[g / 3] == own; });
+    if (*first == h) add_fan(c, true);
     if (sheets_.is_feature(h)) {
       const CornerIndex beyond = sheets_.target(sheets_.opposite(h));
       if (beyond != c) add_fan(beyond, false);

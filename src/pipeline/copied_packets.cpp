@@ -14,13 +14,12 @@ constexpr double kForever = std::numeric_limits<double>::infinity();
 /// Sound may begin before the first frame of the source and go on after its last one: that is kept.
 CopiedPackets::CopiedPackets(const RenderJob& job, const Schedule& schedule)
     : reader_(job.copied),
-      origin_(schedule.origin),
+      origin_(schedule.origin()),
       document_tick_(stream_info(job.reader->info()).time_base),
-      tick_(schedule.stream.time_base),
-      begin_(job.first > 0 ? source_seconds(schedule.frames.front().pts) : -kForever),
+      tick_(schedule.stream().time_base),
+      begin_(job.first > 0 ? source_seconds(schedule.begin()) : -kForever),
       end_(kForever) {
-  const Showing& last = schedule.frames.back();
-  if (job.last && *job.last + 1 < job.reader->frame_count()) end_ = source_seconds(last.pts + last.duration);
+  if (job.last && *job.last + 1 < job.reader->frame_count()) end_ = source_seconds(schedule.end());
 }
 
 double CopiedPackets::source_seconds(std::int64_t pts) const {

@@ -18,17 +18,19 @@ class RenderStages {
  public:
   explicit RenderStages(const RenderJob& job)
       : job_(job),
-        schedule_(make_schedule(job)),
+        schedule_(job),
         copied_(job, schedule_),
-        output_(job.video, schedule_.stream, job.copied, job.on_frame) {}
+        output_(job.video, schedule_.stream(), job.copied, job.on_frame) {}
 
   MessagePtr read() {
-    if (failure_.any() || stopped_ || next_ == schedule_.frames.size()) return nullptr;
+    if (failure_.any() || stopped_) return nullptr;
+    const std::optional<Showing> next = schedule_.next();
+    if (!next) return nullptr;
     stopped_ = job_.stop && job_.stop();
     if (stopped_) return nullptr;
+    const Showing& showing = *next;
     auto message = std::make_shared<Message>();
-    message->index = next_;
-    const Showing& showing = schedule_.frames[next_++];
+    message->index = next_++;
     timed(failure_, "read", *message, [&] {
       message->model = read(showing.frame);
       if (showing.share > 0) message->next = read(showing.frame + 1);

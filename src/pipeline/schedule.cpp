@@ -5,6 +5,7 @@
 #include <string>
 
 #include "knotreel/base/error.h"
+#include "knotreel/document/limits.h"
 #include "knotreel/pipeline/sequence.h"
 
 namespace knotreel::pipeline {
@@ -43,43 +44,53 @@ double share_between(const document::Reader& reader, const std::vector<Showing>&
   return std::max(0.0, (time - begin) / (static_cast<double>(stored[i + 1].pts) - begin));
 }
 
-/// Frames at the ticks of another rate.
-std::vector<Showing> resampled(const document::Reader& reader, const std::vector<Showing>& stored,
-                               double ticks_per_frame) {
-  const std::int64_t begin = stored.front().pts;
-  const double length = static_cast<double>(stored.back().pts + stored.back().duration - begin);
-  const auto count = std::max(1LL, std::llround(length / ticks_per_frame));
-  // Times that are meant to be those of a frame are so but for rounding.
-  const double slack = 1e-6 * ticks_per_frame;
-  std::vector<Showing> frames;
-  std::size_t at = 0;
-  for (std::int64_t k = 0; k < count; ++k) {
-    const double time = static_cast<double>(begin) + static_cast<double>(k) * ticks_per_frame + slack;
-    while (at + 1 < stored.size() && static_cast<double>(stored[at + 1].pts) <= time) ++at;
-    double share = share_between(reader, stored, at, time);
-    if (share * static_cast<double>(stored[at].duration) <= 2 * slack) share = 0;
-    frames.push_back({stored[at].frame, share, k, 1});
-  }
-  return frames;
+/// Of a time that stored frames take, in ticks of the document.
+std::int64_t frames_in(double length, double ticks_per_frame) {
+  const double count = length / ticks_per_frame;
+  if (!(count <= static_cast<double>(document::kMaxPts)))
+    throw Error(ErrorKind::kInvalidArgument, "at this rate there are more than 2^53 frames");
+  return std::max(1LL, std::llround(count));
 }
 
 }  // namespace
 
-Schedule make_schedule(const RenderJob& job) {
-  const std::size_t last = checked_last(job);
-  Schedule schedule{stream_info(job.reader->info()), as_stored(job, last)};
-  if (job.first > 0) {
-    schedule.stream.start = 0;
-    schedule.origin = job.reader->record(job.first).pts;
-  }
-  if (!job.rate.known()) return schedule;
-  schedule.origin = job.reader->record(job.first).pts;
-  const double ticks = 1 / (job.rate.value() * schedule.stream.time_base.value());
-  schedule.frames = resampled(*job.reader, schedule.frames, ticks);
-  schedule.stream.frame_rate = job.rate;
-  schedule.stream.time_base = {job.rate.den, job.rate.num};
-  schedule.stream.start = 0;
-  return schedule;
+Schedule::Schedule(const RenderJob& job)
+    : reader_(job.reader), stored_(as_stored(job, checked_last(job))), stream_(stream_info(reader_->info())) {
+  count_ = static_cast<std::int64_t>(stored_.size());
+  if (job.first > 0) stream_.start = 0;
+  if (job.first > 0 || job.rate.known()) origin_ = reader_->record(job.first).pts;
+  if (!job.rate.known()) return;
+  ticks_per_frame_ = 1 / (job.rate.value() * stream_.time_base.value());
+  const std::int64_t length = stored_.back().pts + stored_.back().duration - stored_.front().pts;
+  count_ = frames_in(static_cast<double>(length), ticks_per_frame_);
+  stream_.frame_rate = job.rate;
+  stream_.time_base = {job.rate.den, job.rate.num};
+  stream_.start = 0;
+}
+
+std::int64_t Schedule::begin() const {
+  return ticks_per_frame_ > 0 ? 0 : stored_.front().pts;
+}
+std::int64_t Schedule::end() const {
+  return ticks_per_frame_ > 0 ? count_ : stored_.back().pts + stored_.back().duration;
+}
+
+std::optional<Showing> Schedule::next() {
+  if (next_ == count_) return std::nullopt;
+  const std::int64_t number = next_++;
+  return ticks_per_frame_ > 0 ? resampled(number) : stored_[static_cast<std::size_t>(number)];
+}
+
+/// What is shown at a tick of another rate. Ticks in order.
+Showing Schedule::resampled(std::int64_t tick) {
+  // Times that are meant to be those of a frame are so but for rounding.
+  const double slack = 1e-6 * ticks_per_frame_;
+  const double time =
+      static_cast<double>(stored_.front().pts) + static_cast<double>(tick) * ticks_per_frame_ + slack;
+  while (at_ + 1 < stored_.size() && static_cast<double>(stored_[at_ + 1].pts) <= time) ++at_;
+  double share = share_between(*reader_, stored_, at_, time);
+  if (share * static_cast<double>(stored_[at_].duration) <= 2 * slack) share = 0;
+  return {stored_[at_].frame, share, tick, 1};
 }
 
 }  // namespace knotreel::pipeline

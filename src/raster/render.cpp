@@ -13,6 +13,7 @@
 #include "raster/feature_trace.h"
 #include "raster/frame_size.h"
 #include "raster/part.h"
+#include "raster/reduce.h"
 #include "raster/soften.h"
 #include "raster/surface.h"
 #include "raster/tile.h"
@@ -95,7 +96,6 @@ struct Renderer::State {
   void draw_centres(Tile& tile, int x0, int y0, const Part& part) const;
   void draw_crossed(Tile& tile, std::span<const CrossedPixel> pixels, const Part& part) const;
   void draw_split(Tile& tile, std::span<const CrossedPixel> pixels, const Part& part) const;
-  void reduce_row(const float* fine, int columns, float* out) const;
 
   FrameSize size;
   Surface surface;
@@ -293,22 +293,6 @@ void Renderer::State::fine_rows(int row_begin, int row_end, int column_begin, in
     std::copy_n(drawn.at(column_begin, y), inner.columns() * channels, inner.at(column_begin, y));
 }
 
-/// One output row from its reduce_y fine rows.
-void Renderer::State::reduce_row(const float* fine, int columns, float* out) const {
-  const int fine_columns = columns * reduce_x;
-  for (int column = 0; column < columns; ++column) {
-    ColourMean mean(channels);
-    for (int y = 0; y < reduce_y; ++y) {
-      for (int x = 0; x < reduce_x; ++x) {
-        const auto pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(fine_columns) +
-                           static_cast<std::size_t>(column * reduce_x + x);
-        mean.add(fine + pixel * channels, 1);
-      }
-    }
-    mean.store(out + static_cast<std::size_t>(column) * channels);
-  }
-}
-
 Renderer::Renderer(const document::FrameModel& model, const RenderOptions& options)
     : Renderer(model, options, std::make_shared<const spline::Basis>(model.space)) {}
 Renderer::Renderer(const document::FrameModel& model, const RenderOptions& options,
@@ -343,21 +327,10 @@ void Renderer::rows(int begin, int end, std::span<float> out) const {
     s.fine_rows(y0 + begin, y0 + end, x0, x0 + width(), out.data());
     return;
   }
-  // Smaller pictures: the mean of the fine pixels, a few output rows at a time to bound the memory.
-  const auto fine_columns = static_cast<std::size_t>(width()) * static_cast<std::size_t>(s.reduce_x);
-  const auto per_row = fine_columns * static_cast<std::size_t>(s.reduce_y) * s.channels;
-  const int chunk = std::max(1, static_cast<int>((std::size_t{1} << 21) / std::max<std::size_t>(per_row, 1)));
-  std::vector<float> fine;
-  for (int row = begin; row < end; row += chunk) {
-    const int rows_now = std::min(chunk, end - row);
-    fine.resize(per_row * static_cast<std::size_t>(rows_now));
-    s.fine_rows((y0 + row) * s.reduce_y, (y0 + row + rows_now) * s.reduce_y, x0 * s.reduce_x,
-                (x0 + width()) * s.reduce_x, fine.data());
-    parallel_for(static_cast<std::size_t>(rows_now), [&](std::size_t r) {
-      float* to = out.data() + (static_cast<std::size_t>(row - begin) + r) * row_samples;
-      s.reduce_row(fine.data() + r * per_row, width(), to);
-    });
-  }
+  const Part part{{y0 + begin, y0 + end, x0, x0 + width()}, s.channels, out.data()};
+  reduce_rows(part, {s.reduce_x, s.reduce_y}, [&](const Region& fine, float* to) {
+    s.fine_rows(fine.row_begin, fine.row_end, fine.column_begin, fine.column_end, to);
+  });
 }
 
 std::vector<float> render(const document::FrameModel& model, const RenderOptions& options) {

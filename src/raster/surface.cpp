@@ -113,6 +113,7 @@ Surface::Sample Surface::evaluate(Vec2 u) const {
   const Vec2 direction = spline::inward_direction(u, width_, height_);
   Sample s{};
   for (const spline::TermIndex::Entry& e : basis_->index().at(u)) {
+    if (!basis_->index().near(e, u)) continue;
     const SurfaceTerm& term = terms_[e.term];
     spline::Jet w = spline::tent_jet(term.tent, u, direction);
     if (w.value == 0 && w.dx == 0 && w.dy == 0) continue;

@@ -10,14 +10,17 @@ namespace {
 // Support boxes are widened by this much, in pixels, so that points on a wall find the terms of both sides.
 constexpr double kMargin = 2 * kOnWall;
 
+// Ordinary meshes have a few entries per term. Long slivers have as many as there are cells, which is
+// quadratic in a fan of them; what is evaluated does not depend on the cells, so there they are made larger.
+constexpr double kMostEntriesPerTerm = 64;
+
 }  // namespace
 
 TermIndex::TermIndex(const PieceSet& set, double width, double height, std::size_t knots) {
   // About one knot per cell; never more cells than a few per knot, whatever the shape of the domain.
-  cell_ = std::max(std::sqrt(width * height / static_cast<double>(knots)),
-                   std::max(width, height) / (4.0 * static_cast<double>(knots)));
-  columns_ = static_cast<std::size_t>(width / cell_) + 1;
-  rows_ = static_cast<std::size_t>(height / cell_) + 1;
+  set_cell(std::max(std::sqrt(width * height / static_cast<double>(knots)),
+                    std::max(width, height) / (4.0 * static_cast<double>(knots))),
+           width, height);
 
   boxes_.reserve(set.terms.size());
   std::vector<Entry> by_term;
@@ -29,6 +32,8 @@ TermIndex::TermIndex(const PieceSet& set, double width, double height, std::size
       by_term.push_back({t, p});
     }
   }
+  while (entries_needed() > kMostEntriesPerTerm * static_cast<double>(by_term.size()) && columns_ * rows_ > 1)
+    set_cell(2 * cell_, width, height);
   const auto for_cells = [&](const Entry& e, auto&& visit) {
     const auto& [low, high] = boxes_[e.term];
     for (std::size_t r = row(low.y); r <= row(high.y); ++r) {
@@ -39,8 +44,23 @@ TermIndex::TermIndex(const PieceSet& set, double width, double height, std::size
   for (const Entry& e : by_term) for_cells(e, [&](std::size_t cell) { ++begin_[cell + 1]; });
   for (std::size_t c = 0; c + 1 < begin_.size(); ++c) begin_[c + 1] += begin_[c];
   entries_.resize(begin_.back());
-  std::vector<std::uint32_t> cursor(begin_.begin(), begin_.end() - 1);
+  std::vector<std::size_t> cursor(begin_.begin(), begin_.end() - 1);
   for (const Entry& e : by_term) for_cells(e, [&](std::size_t cell) { entries_[cursor[cell]++] = e; });
+}
+
+void TermIndex::set_cell(double cell, double width, double height) {
+  cell_ = cell;
+  columns_ = static_cast<std::size_t>(width / cell_) + 1;
+  rows_ = static_cast<std::size_t>(height / cell_) + 1;
+}
+
+double TermIndex::entries_needed() const {
+  double sum = 0;
+  for (const auto& [low, high] : boxes_) {
+    sum += static_cast<double>(column(high.x) - column(low.x) + 1) *
+           static_cast<double>(row(high.y) - row(low.y) + 1);
+  }
+  return sum;
 }
 
 std::size_t TermIndex::column(double x) const {

@@ -71,8 +71,8 @@ PacketPtr moved_packet(const CopiedPacket& packet, std::int64_t earlier, AVRatio
   PacketPtr moved = new_packet();
   if (av_packet_ref(moved.get(), packet.packet.get()) < 0) throw std::bad_alloc();
   const std::int64_t away = av_rescale_q(earlier, unit, packet.time_base);
-  if (moved->pts != AV_NOPTS_VALUE) moved->pts -= away;
-  if (moved->dts != AV_NOPTS_VALUE) moved->dts -= away;
+  if (moved->pts != AV_NOPTS_VALUE) moved->pts = av_sat_sub64(moved->pts, away);
+  if (moved->dts != AV_NOPTS_VALUE) moved->dts = av_sat_sub64(moved->dts, away);
   return moved;
 }
 

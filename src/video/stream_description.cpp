@@ -45,6 +45,14 @@ void describe_pictures(StreamInfo& info, AVFormatContext& format, AVStream& stre
   info.display_matrix.assign(bytes, bytes + size);
 }
 
+/// A time that a damaged or made-up file tells may be anything; beyond kMaxTicks it counts as not told.
+std::int64_t in_range(double ticks) {
+  return std::abs(ticks) <= double(kMaxTicks) ? std::llround(ticks) : 0;
+}
+std::int64_t in_range(std::int64_t ticks) {
+  return is_time(ticks) ? ticks : 0;
+}
+
 /// Time base and rate, which depend on each other where a source has no times.
 void describe_times(StreamInfo& info, AVFormatContext& format, AVStream& stream,
                     const AVCodecContext& decoder, const ReadOptions& options) {
@@ -59,7 +67,7 @@ void describe_times(StreamInfo& info, AVFormatContext& format, AVStream& stream,
   }
   const bool clock = (format.iformat->flags & AVFMT_TS_DISCONT) != 0 && info.timestamps;
   if (clock && format.start_time != AV_NOPTS_VALUE) {
-    info.start = av_rescale_q(format.start_time, AVRational{1, AV_TIME_BASE}, stream.time_base);
+    info.start = in_range(av_rescale_q(format.start_time, AVRational{1, AV_TIME_BASE}, stream.time_base));
   }
 }
 
@@ -70,9 +78,9 @@ void estimate_length(StreamInfo& info, const AVFormatContext& format, const AVSt
     info.seconds = double(format.duration) / AV_TIME_BASE;
   }
   info.frames = stream.nb_frames > 0 ? std::uint64_t(stream.nb_frames)
-                                     : std::uint64_t(std::llround(info.seconds * info.frame_rate.value()));
+                                     : std::uint64_t(in_range(info.seconds * info.frame_rate.value()));
   const bool seekable = format.pb != nullptr && (format.pb->seekable & AVIO_SEEKABLE_NORMAL) != 0;
-  info.end = std::llround(told_end(stream) / info.time_base.value());
+  info.end = in_range(told_end(stream) / info.time_base.value());
   info.still = reads_pictures(*format.iformat) && stream.nb_frames <= 1 && seekable;
   if (info.still) info.frames = 1;
 }
@@ -94,7 +102,7 @@ StreamInfo describe_stream(AVFormatContext& format, AVStream& stream, const AVCo
 /// Matroska tells it in its tags, as "00:01:02.345000000".
 double told_end(const AVStream& stream) {
   if (stream.duration > 0 && stream.start_time != AV_NOPTS_VALUE) {
-    return double(stream.start_time + stream.duration) * av_q2d(stream.time_base);
+    return (double(stream.start_time) + double(stream.duration)) * av_q2d(stream.time_base);
   }
   const AVDictionaryEntry* entry = av_dict_get(stream.metadata, "DURATION", nullptr, 0);
   int hours = 0, minutes = 0;

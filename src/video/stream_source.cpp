@@ -186,7 +186,7 @@ void StreamSource::take_video(PacketPtr packet) {
 /// Gives a frame its time, which goes up from frame to frame.
 void StreamSource::stamp(AVFrame& frame) {
   const std::int64_t step = std::max<std::int64_t>(last_duration_, 1);
-  std::int64_t pts = frame.best_effort_timestamp;
+  std::int64_t pts = is_time(frame.best_effort_timestamp) ? frame.best_effort_timestamp : AV_NOPTS_VALUE;
   if (!info_.timestamps) {
     pts = last_pts_ == AV_NOPTS_VALUE ? 0 : last_pts_ + 1;
     frame.pkt_duration = 1;
@@ -197,15 +197,18 @@ void StreamSource::stamp(AVFrame& frame) {
     pts = last_pts_ + step;
     warnings_.count("frames go back in time; they are put after the frame before");
   }
+  if (!is_time(pts))
+    throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "the times of frames are out of range");
   frame.pts = pts;
   last_pts_ = pts;
   last_duration_ = duration_of(frame);
 }
 
 std::int64_t StreamSource::duration_of(const AVFrame& frame) const {
-  if (frame.pkt_duration > 0) return frame.pkt_duration;
+  if (frame.pkt_duration > 0 && is_time(frame.pkt_duration)) return frame.pkt_duration;
   if (!info_.frame_rate.known()) return 0;
-  return av_rescale_q(1, av_inv_q(to_av(info_.frame_rate)), to_av(info_.time_base));
+  const std::int64_t usual = av_rescale_q(1, av_inv_q(to_av(info_.frame_rate)), to_av(info_.time_base));
+  return is_time(usual) ? usual : 0;
 }
 
 /// What stands beside the last frame may be nothing (Matroska), or the time until the next frame to be
@@ -223,7 +226,7 @@ void StreamSource::check_end() {
   if (!info_.timestamps || demuxer_.format()->duration_estimation_method == AVFMT_DURATION_FROM_BITRATE)
     return;
   const double tick = info_.time_base.value();
-  const double missing = end - double(last_pts_ + last_duration_) * tick;
+  const double missing = end - (double(last_pts_) + double(last_duration_)) * tick;
   if (missing < std::max(0.2, 3 * double(last_duration_) * tick) || cut_short_) return;
   const std::string why = "it tells of " + std::to_string(missing) + " s more";
   if (strict_) throw Error(ErrorKind::kInput, demuxer_.cannot_read() + why);

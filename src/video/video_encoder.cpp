@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <string>
 
 #include "carried_colours.h"
@@ -142,7 +143,7 @@ void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64
   frame->quality = encoder_->global_quality;  // where AV_CODEC_FLAG_QSCALE is looked for
   const AVRational from = to_av(info_.time_base), to = time_base();
   const std::int64_t begin = pts - info_.start;
-  frame->pts = av_rescale_q(begin, from, to) - cut_out_;
+  frame->pts = ticks_of(begin) - cut_out_;
   if (last_pts_ != AV_NOPTS_VALUE) frame->pts = std::max(frame->pts, last_pts_ + 1);
   if (fills_gaps_) {
     cut_gap_before(*frame, warnings);
@@ -152,11 +153,20 @@ void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64
     warnings.count("frames are moved in time, because this output has a fixed rate");
   }
   last_pts_ = frame->pts;
-  last_end_ = std::max(av_rescale_q(begin + duration, from, to) - cut_out_, frame->pts);
+  last_end_ = std::max(ticks_of(begin + duration) - cut_out_, frame->pts);
   if (fills_gaps_) last_end_ = std::min(last_end_, frame->pts + most_repeats());
   durations_[frame->pts] = last_end_ - frame->pts;
   send(frame.get(), receiver);
   if (fills_gaps_) last_.reset(allocated(av_frame_clone(frame.get())));
+}
+
+/// A time of the source in ticks of the output, held so far from the ends of 64 bits that sums of some are
+/// not beyond them.
+std::int64_t VideoEncoder::ticks_of(std::int64_t time) const {
+  constexpr std::int64_t kMost = std::int64_t{1} << 61;
+  const std::int64_t ticks = av_rescale_q(time, to_av(info_.time_base), time_base());
+  if (ticks == std::numeric_limits<std::int64_t>::min()) return time < 0 ? -kMost : kMost;  // it does not fit
+  return std::clamp(ticks, -kMost, kMost);
 }
 
 std::int64_t VideoEncoder::most_repeats() const {

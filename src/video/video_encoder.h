@@ -33,6 +33,7 @@ class VideoEncoder {
   void set_colours();
   void set_times(const AVOutputFormat& container);
   void open(const WriteOptions& options);
+  std::int64_t ticks_of(std::int64_t time) const;
   std::int64_t most_repeats() const;
   void cut_gap_before(AVFrame& frame, Warnings& warnings);
   void repeat_until(std::int64_t pts, const Receiver& receiver);

@@ -1,8 +1,12 @@
+#include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <span>
+#include <thread>
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
@@ -182,6 +186,25 @@ TEST(InputFile, ReadsWhatIsThere) {
     EXPECT_TRUE(std::ranges::equal(bytes, std::as_bytes(std::span(text))));
     EXPECT_EQ(read_start(dir / "in", 10).size(), std::min<std::size_t>(size, 10));
   }
+}
+
+TEST(InputFile, TakesNoMoreOfAPipeThanIsAccepted) {
+  const TempDir dir;
+  const std::string pipe = (dir / "pipe").string();
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  ::signal(SIGPIPE, SIG_IGN);
+  std::size_t written = 0;
+  std::thread writer([&] {
+    const int descriptor = ::open(pipe.c_str(), O_WRONLY);
+    const std::vector<char> block(1 << 12);
+    for (ssize_t done = 1; done > 0; written += static_cast<std::size_t>(std::max<ssize_t>(done, 0)))
+      done = ::write(descriptor, block.data(), block.size());
+    ::close(descriptor);
+  });
+  constexpr std::size_t kAccepted = 2'200'000;
+  EXPECT_EQ(kind_of([&] { read_whole(pipe, kAccepted); }), ErrorKind::kInput);
+  writer.join();
+  EXPECT_LT(written, kAccepted + (1 << 18)) << "what the pipe itself holds comes on top";
 }
 
 TEST(InputFile, FailuresAreInputErrors) {

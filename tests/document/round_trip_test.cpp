@@ -1,10 +1,12 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <sstream>
 
 #include "document/sample_models.h"
 #include "knotreel/base/error.h"
+#include "knotreel/document/limits.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/document/writer.h"
@@ -82,6 +84,14 @@ TEST(Document, AModelOverAStoredMeshIsStoredWithTheSpaceAndTheRoundedGeometryItH
 }
 
 /// The same model over its stored space makes the same file, and is stored with that very space.
+TEST(Document, StoredMeshesHaveNoGridOutOfRange) {
+  const FrameModel model = testing::random_model(testing::random_mesh(64, 48, 30, 1, kSeed), 2, 3, kSeed);
+  for (const int bits : {-1, 15, std::numeric_limits<int>::max()}) {
+    EXPECT_THROW(document::stored_mesh(model.space->mesh(), bits), Error);
+    EXPECT_THROW(document::stored_space(model.space, bits), Error);
+  }
+}
+
 TEST(Document, AStoredSpaceHasTheFunctionsOfTheOneGiven) {
   constexpr int kBits = 5;
   for (const testing::MeshCase& c : all_cases()) {
@@ -183,6 +193,9 @@ TEST(Document, RefusesModelsThatDoNotFit) {
   EXPECT_TRUE(refuses([](FrameModel& m) { m.displacement[0].x = 1e12; }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = 0.26; }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = -0.01; }));
+  EXPECT_FALSE(refuses([](FrameModel& m) { m.pts = -document::kMaxPts; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.pts = document::kMaxPts + 1; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.pts = std::numeric_limits<std::int64_t>::min(); }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = std::nan(""); }));
 }
 

@@ -1,11 +1,17 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <limits>
 #include <map>
 #include <random>
 #include <set>
 #include <sstream>
 
+#include "document/bytes.h"
+#include "document/container.h"
+#include "document/frame_codec.h"
 #include "document/sample_models.h"
+#include "knotreel/document/limits.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/document/writer.h"
 
@@ -102,6 +108,42 @@ TEST(Sequence, TheSoftnessOfEdgesStaysUntilItChanges) {
   const auto bytes = std::as_bytes(std::span(text));
   Reader reader = Reader::open({bytes.begin(), bytes.end()});
   for (std::size_t f = 0; f < softness.size(); ++f) EXPECT_EQ(reader.read(f).edge_softness, softness[f]) << f;
+}
+
+/// Such as no writer gives.
+TEST(Sequence, TimesOutOfRangeAreRefused) {
+  const auto index_with = [](std::int64_t pts) {
+    return document::parse_index(document::write_index({{0, 16, 0, 0, true}, {16, 16, 1, pts, false}}));
+  };
+  EXPECT_EQ(index_with(document::kMaxPts)[1].pts, document::kMaxPts);
+  const auto prefix_with = [](std::int64_t pts) {
+    document::ByteWriter out;
+    out.u8(4);
+    out.varint(0);
+    out.svarint(pts);
+    return document::read_prefix(out.view()).pts;
+  };
+  EXPECT_EQ(prefix_with(-document::kMaxPts), -document::kMaxPts);
+  const auto least = std::numeric_limits<std::int64_t>::min();
+  for (const std::int64_t pts : {document::kMaxPts + 1, -document::kMaxPts - 1, least}) {
+    EXPECT_THROW(index_with(pts), document::Malformed);
+    EXPECT_THROW(prefix_with(pts), document::Malformed);
+  }
+}
+
+TEST(Sequence, NamesOfMetadataAscend) {
+  document::Format format;
+  format.info.width = format.info.height = format.info.channels = format.info.degree = 1;
+  format.colour_step = format.displacement_step = 1;
+  format.info.metadata = {{"a", ""}, {"b", ""}, {"\xC3\xBC", ""}};
+  const std::vector<std::byte> good = document::write_header(format);
+  EXPECT_EQ(document::parse_header(good).info.metadata, format.info.metadata);
+  const auto a = std::find(good.begin(), good.end(), std::byte{'a'}) - good.begin();
+  for (const char first : {'b', 'c'}) {
+    std::vector<std::byte> bad = good;
+    bad[static_cast<std::size_t>(a)] = static_cast<std::byte>(first);
+    EXPECT_THROW(document::parse_header(bad), document::Malformed) << first;
+  }
 }
 
 TEST(Sequence, ARepeatedKeyframeStaysAsItIs) {

@@ -1,6 +1,7 @@
 #include "knotreel/export/tessellate.h"
 
 #include <gtest/gtest.h>
+#include <sys/resource.h>
 
 #include <algorithm>
 #include <map>
@@ -10,6 +11,7 @@
 #include "export/sheets.h"
 #include "export_models.h"
 #include "knotreel/base/error.h"
+#include "knotreel/mesh/triangulate.h"
 
 namespace knotreel::exporting {
 namespace {
@@ -137,6 +139,35 @@ TEST(Layers, DifferOnTheTwoSidesOfEveryFeature) {
     }
     EXPECT_LE(*std::max_element(layer.begin(), layer.end()), 3u);
   }
+}
+
+std::size_t peak_megabytes() {
+  rusage usage{};
+  getrusage(RUSAGE_SELF, &usage);
+  return static_cast<std::size_t>(usage.ru_maxrss) >> 10;
+}
+
+/// All faces meet in a corner of the picture, and a feature from there parts them.
+TEST(Layers, TakeNoMemoryByPairsOfFacesOfAFan) {
+  constexpr std::uint32_t kBorder = 12000;
+  mesh::KnotMesh mesh = mesh::make_domain(4000, 4000);
+  for (std::uint32_t i = 1; i < kBorder; ++i)
+    mesh.knots.push_back({{4000, i * (4000.0 / kBorder)}, mesh::KnotKind::kBorder, mesh::KnotId{i + 3}});
+  const auto at = [](std::uint32_t i) -> mesh::KnotIndex { return i == 0 ? 1 : i == kBorder ? 2 : i + 3; };
+  for (std::uint32_t i = 0; i < kBorder; ++i) mesh.faces.push_back({0, at(i), at(i + 1)});
+  mesh.faces.push_back({0, 2, 3});
+  const mesh::KnotIndex end = at(kBorder / 3);
+  mesh.knots[end].kind = mesh::KnotKind::kVertex;
+  mesh.segments.push_back({{0, end}});
+  const document::FrameModel model = blank_model(mesh, 1, 1);
+  const Sheets sheets(model);
+
+  const std::size_t before = peak_megabytes();
+  const std::vector<Layer> layers = make_layers(sheets);
+  EXPECT_LT(peak_megabytes(), before + 100);
+  ASSERT_EQ(layers.size(), 2u);
+  EXPECT_EQ(layers[0].faces.size(), 2 * kBorder / 3 + 1);
+  EXPECT_EQ(layers[1].faces.size(), kBorder / 3);
 }
 
 TEST(Layers, CoverEveryFaceOnce) {

@@ -8,6 +8,8 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/pipeline/render_job.h"
+#include "pipeline/document_sink.h"
+#include "pipeline/schedule.h"
 #include "support/clips.h"
 #include "support/temp_dir.h"
 
@@ -260,6 +262,44 @@ TEST_F(PipelineRun, AnotherRateMakesFramesInBetween) {
   EXPECT_LT(mean_distance(fast[1], middle), 0.6 * mean_distance(stored[1], middle));
   EXPECT_EQ(fast[18].samples, stored[7].samples);
   EXPECT_EQ(fast[19].samples, stored[7].samples) << "nothing follows the last frame";
+}
+
+/// Two frames, a day and more apart for all that a document says.
+TEST_F(PipelineRun, FramesOfAnotherRateAreNotKeptInMemory) {
+  document_of(run_graph, "clip.tcb");
+  document::Reader clip = document::Reader::open(path("clip.tcb"));
+  document::SequenceInfo info = clip.info();
+  info.time_base_num = 1;
+  info.time_base_den = 1000;
+  document::FrameModel frame = clip.read(0);
+  {
+    DocumentSink sink(path("far.tcb"), info);
+    sink.append(frame);
+    frame.pts = 4'000'000'000'000'000;
+    sink.append(frame);
+    sink.finish();
+  }
+  document::Reader far = document::Reader::open(path("far.tcb"));
+  RenderJob job;
+  job.reader = &far;
+  job.rate = {60, 1};
+  Schedule schedule(job);
+  EXPECT_GE(schedule.end(), 240'000'000'000'000);
+  for (std::int64_t k = 0; k < 3; ++k) {
+    const std::optional<Showing> showing = schedule.next();
+    ASSERT_TRUE(showing);
+    EXPECT_EQ(showing->frame, 0u);
+    EXPECT_EQ(showing->pts, k);
+  }
+  job.rate = {1000000, 1};
+  EXPECT_THROW(Schedule{job}, Error);
+
+  int frames = 0;
+  job.rate = {60, 1};
+  job.stop = [&] { return ++frames > 3; };
+  job.video.path = path("far.mkv");
+  job.video.options.codec = "ffv1";
+  EXPECT_TRUE(run_render(job).stopped);
 }
 
 TEST_F(PipelineRun, NothingIsInBetweenAcrossTheStartOfAGroup) {

@@ -2,6 +2,10 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
+#include "knotreel/document/limits.h"
+
 namespace knotreel::pipeline {
 namespace {
 
@@ -49,6 +53,18 @@ TEST(Sequence, NonsenseInTheMetadataCountsAsUnknown) {
   EXPECT_TRUE(stream.display_matrix.empty());
   EXPECT_EQ(stream.depth, 8);
   EXPECT_EQ(stream.end, 0);
+}
+
+TEST(Sequence, TimesBeyondThoseOfDocumentsCountAsUnknown) {
+  video::StreamInfo odd = odd_stream();
+  odd.start = std::numeric_limits<std::int64_t>::min();
+  odd.end = std::numeric_limits<std::int64_t>::max();
+  const video::StreamInfo stream = stream_info(sequence_info(odd, "in.mov", 2));
+  EXPECT_EQ(stream.start, 0);
+  EXPECT_EQ(stream.end, 0);
+  odd.frame_rate = {1, 0x7fffffff};
+  odd.time_base = {1, 0x7fffffff};
+  EXPECT_EQ(nominal_duration(odd), document::kMaxPts);
 }
 
 TEST(Sequence, TheNominalDurationIsThatOfTheFrameRate) {

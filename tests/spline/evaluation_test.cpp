@@ -7,6 +7,7 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
+#include "knotreel/mesh/triangulate.h"
 #include "knotreel/spline/basis.h"
 #include "knotreel/spline/link.h"
 #include "spline/law_cases.h"
@@ -221,6 +222,39 @@ TEST_P(Evaluation, LinksAreVisitedWithTheirCodes) {
     });
     EXPECT_EQ(visited, asked);
     EXPECT_TRUE(std::equal(codes.begin(), codes.end(), space.link_codes().begin(), space.link_codes().end()));
+  }
+}
+
+/// Long faces that all meet in one corner of the domain: each crosses as many cells of the index as there are
+/// in a quarter of the domain, on average.
+mesh::KnotMesh fan(std::uint32_t count) {
+  mesh::KnotMesh mesh = mesh::make_domain(1000000, 1000000);
+  for (std::uint32_t i = 1; i < count; ++i) {
+    mesh.knots.push_back({{1000000, i * (1000000.0 / count)}, mesh::KnotKind::kBorder, mesh::KnotId{i + 3}});
+  }
+  const auto at = [&](std::uint32_t i) -> mesh::KnotIndex { return i == 0 ? 1 : i == count ? 2 : i + 3; };
+  for (std::uint32_t i = 0; i < count; ++i) mesh.faces.push_back({0, at(i), at(i + 1)});
+  mesh.faces.push_back({0, 2, 3});
+  return mesh;
+}
+
+TEST(TermIndex, NeedsFewEntriesForAFanOfSlivers) {
+  const mesh::KnotMesh mesh = fan(96000);
+  const Basis basis(std::make_shared<const SplineSpace>(mesh, 1));
+  const mesh::CutMesh& cut = basis.space().cut();
+  ASSERT_LE(basis.index().entry_count(), 64 * basis.pieces().terms.size());
+  std::vector<BasisValue> values;
+  for (const Vec2 u : {Vec2{500000.3, 400000.2}, {999999.5, 3.7}, {20.25, 11.5}, {2000, 999000}}) {
+    basis.evaluate(u, values);
+    double sum = 0;
+    Vec2 place;
+    for (const BasisValue& b : values) {
+      sum += b.value;
+      place = place +
+              b.value * mesh.knots[cut.corners[basis.space().functions()[b.function].knots[0]].knot].position;
+    }
+    EXPECT_NEAR(sum, 1, 1e-10);
+    EXPECT_NEAR(norm(place - u), 0, 1e-4);
   }
 }
 

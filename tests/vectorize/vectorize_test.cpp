@@ -199,6 +199,33 @@ TEST(Vectorize, RefusesOptionsOutOfRange) {
   options.rounds = 0;
   EXPECT_THROW(vectorize_picture(picture, options), Error);
   EXPECT_THROW(vectorize_picture(image::Image{}, {}), Error);
+
+  const auto refuses = [&](auto change) {
+    Options changed = preset_options(Preset::kFast);
+    change(changed);
+    try {
+      vectorize_picture(picture, changed);
+    } catch (const Error& e) {
+      return e.kind() == ErrorKind::kInvalidArgument;
+    }
+    return false;
+  };
+  const double nan = std::nan("");
+  EXPECT_FALSE(refuses([](Options&) {}));
+  EXPECT_TRUE(refuses([](Options& o) { o.knot_bits = 15; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.knot_bits = -1; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.displacement_step = 0; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.displacement_step = 17; }));
+  EXPECT_TRUE(refuses([&](Options& o) { o.displacement_step = nan; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.segment_knot_spacing = 0; }));
+  EXPECT_TRUE(refuses([&](Options& o) { o.segment_knot_spacing = nan; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.feature_share = 1.5; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.descent_steps = -1; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.colour.ridge = 0; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.colour.step = -1; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.geometry.ridge = 0; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.optimise.rounds = -1; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.optimise.steps = -1; }));
 }
 
 }  // namespace

@@ -167,6 +167,22 @@ TEST(Times, ThatLeadAnywhereDoNotFillTheDisk) {
   EXPECT_LE(mean_difference(back.frames.back().image, clip.images[2]), 8);
 }
 
+TEST(Times, BeyondThoseOfDocumentsCountAsNotTold) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(16, 16, 3, 4);
+  clip.info.time_base = {1, 1000};
+  clip.pts = {0, 40, 1LL << 56, (1LL << 56) + 40};
+  clip.durations = {40, 40, 40, 40};
+  write_clip(dir / "a.mkv", clip);
+  const WholeClip back = read_clip(dir / "a.mkv");
+  ASSERT_EQ(back.frames.size(), 4u);
+  for (std::size_t i = 1; i < 4; ++i) {
+    EXPECT_GT(back.frames[i].pts, back.frames[i - 1].pts);
+    EXPECT_LT(back.frames[i].pts, 1LL << 53);
+  }
+  EXPECT_LT(back.info.end, 1LL << 53);
+}
+
 TEST(Times, OfMpegTransportStartAtZeroAgain) {
   const TempDir dir;
   write_clip(dir / "a.ts", moving_pattern(64, 48, 3, 5));

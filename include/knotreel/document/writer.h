@@ -1,6 +1,5 @@
 #pragma once
 
-#include <filesystem>
 #include <iosfwd>
 #include <memory>
 
@@ -31,17 +30,12 @@ struct EncodeOptions {
   bool rename_knots = false;
 };
 
-/// Writes a document frame by frame. Not safe to use from several threads.
+/// Writes a document frame by frame, to a stream and without seeking; the bytes can be read as a document at
+/// any time. Not safe to use from several threads.
 class Writer {
  public:
-  /// Writes to `path` + ".part" (replacing it), which Reader can open at any time, and moves it to `path` in
-  /// finish(). Without finish(), nothing changes at `path`, and the frames written so far stay in the part
-  /// file.
-  /// @throws Error{kInvalidArgument} for an info or options out of range, Error{kOutput} if the file cannot
-  /// be created.
-  Writer(const std::filesystem::path& path, SequenceInfo info, EncodeOptions options = {});
-
-  /// Writes to a stream, without seeking; `out` must outlive the writer.
+  /// @param out must outlive the writer.
+  /// @throws Error{kInvalidArgument} for an info or options out of range, Error{kOutput} if writing fails.
   Writer(std::ostream& out, SequenceInfo info, EncodeOptions options = {});
 
   ~Writer();
@@ -55,7 +49,7 @@ class Writer {
   /// of range (nothing is written then), Error{kOutput} if writing fails.
   FrameModel append(const FrameModel& model);
 
-  /// Writes the index and moves the file into place. Call once, last. @throws Error{kOutput}.
+  /// Writes the index. Call once, last. @throws Error{kOutput}.
   void finish();
 
  private:

@@ -39,14 +39,20 @@ class TermIndex {
   /// The box, low and high, outside which a term counts as zero.
   const std::pair<Vec2, Vec2>& box(std::uint32_t term) const { return boxes_[term]; }
 
+  /// Terms of all cells together: at most 64 per term.
+  std::size_t entry_count() const { return entries_.size(); }
+
  private:
+  void set_cell(double cell, double width, double height);
+  /// Terms of all cells together, if the cells are as they are now.
+  double entries_needed() const;
   std::size_t column(double x) const;
   std::size_t row(double y) const;
 
   double cell_ = 1;
   std::size_t columns_ = 1;
   std::size_t rows_ = 1;
-  std::vector<std::uint32_t> begin_;
+  std::vector<std::size_t> begin_;
   std::vector<Entry> entries_;
   std::vector<std::pair<Vec2, Vec2>> boxes_;
 };

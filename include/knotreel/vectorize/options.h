@@ -44,15 +44,16 @@ struct Options {
   features::CorrectionOptions correction{.strength = 0.5};
   /// Two pixels in place of the paper's three: the geometry part has less to bend, and folds less often.
   param::ParametrizeOptions parametrize{.polyline_distance = 2};
-  double segment_knot_spacing = 12;  ///< one to three simple knots per feature segment, about this far apart
+  /// One to three simple knots per feature segment, about this far apart, > 0.
+  double segment_knot_spacing = 12;
 
   knots::OptimiseOptions optimise{.rounds = 1, .steps = 4};
   fit::ColourFitOptions colour{.precision = fit::Precision::kSingle};
   fit::GeometryFitOptions geometry{};
   bool half_rows = true;  ///< rounds and descent look at pairs of rows: about half the time, -0.1 dB
-  int descent_steps = 2;  ///< on the true residual; 0: none
+  int descent_steps = 2;  ///< on the true residual; >= 0; 0: none
 
-  /// The last fit is to knots and displacements as keyframes of documents have them.
+  /// The last fit is to knots and displacements as keyframes of documents have them; ranges as there.
   int knot_bits = document::EncodeOptions{}.knot_bits;
   double displacement_step = document::EncodeOptions{}.displacement_step;  ///< pixels
 };
