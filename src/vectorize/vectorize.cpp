@@ -578,6 +578,9 @@ class Run {
 void check(const image::Image& picture, const Options& options) {
   const auto refuse = [](const char* what) { throw Error(ErrorKind::kInvalidArgument, what); };
   if (picture.width < 1 || picture.height < 1) refuse("cannot vectorize a picture without pixels");
+  const auto is_number = [](float sample) { return std::isfinite(sample); };
+  if (!std::all_of(picture.samples.begin(), picture.samples.end(), is_number))
+    refuse("cannot vectorize a picture with samples that are not finite");
   if (options.degree < 1 || options.degree > spline::kMaxDegree) refuse("the degree must be 1, 2 or 3");
   if (options.rounds < 1) refuse("at least one round is needed");
   if (!(options.mec >= 0) || !(options.meg >= 0)) refuse("error bounds cannot be negative");

@@ -226,6 +226,12 @@ TEST(Vectorize, RefusesOptionsOutOfRange) {
   EXPECT_TRUE(refuses([](Options& o) { o.geometry.ridge = 0; }));
   EXPECT_TRUE(refuses([](Options& o) { o.optimise.rounds = -1; }));
   EXPECT_TRUE(refuses([](Options& o) { o.optimise.steps = -1; }));
+
+  for (const float bad : {NAN, INFINITY}) {
+    image::Image with_bad = picture;
+    with_bad.samples[17] = bad;
+    EXPECT_THROW(vectorize_picture(with_bad, preset_options(Preset::kFast)), Error) << bad;
+  }
 }
 
 }  // namespace
