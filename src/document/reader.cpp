@@ -47,9 +47,6 @@ bool Reader::complete() const {
 double Reader::colour_tolerance() const {
   return impl_->file.format().colour_scale();  // keyframes have twice the step of the file
 }
-double Reader::displacement_tolerance() const {
-  return impl_->file.format().displacement_scale() / 2;
-}
 std::uint64_t Reader::file_bytes() const {
   return impl_->file.bytes();
 }

@@ -60,6 +60,8 @@ bool largest_triangle(const Simplex& s, std::array<std::size_t, 3>& best) {
   return largest > kThin * diameter2;
 }
 
+/// Simplex spline M(u | knots) of degree count - 3 (paper Eq. 1, 2), as the limit from the side of
+/// `direction`; zero if the knots span no area. Cost 3^degree.
 Jet evaluate(const Simplex& s, Vec2 u, Vec2 direction) {
   std::array<std::size_t, 3> t{};
   if (!largest_triangle(s, t)) return {};
@@ -93,12 +95,6 @@ Jet evaluate(const Simplex& s, Vec2 u, Vec2 direction) {
 Vec2 inward_direction(Vec2 u, double width, double height) {
   constexpr Vec2 kGeneric{0.8191520442889918, 0.5735764363510462};
   return {u.x >= width ? -kGeneric.x : kGeneric.x, u.y >= height ? -kGeneric.y : kGeneric.y};
-}
-
-Jet simplex_spline(Vec2 u, std::span<const Vec2> knots, Vec2 direction) {
-  Simplex s{};
-  for (const Vec2 k : knots) s.knots.at(s.count++) = k;
-  return evaluate(s, u, direction);
 }
 
 ReferenceBasis::ReferenceBasis(const SplineSpace& space)

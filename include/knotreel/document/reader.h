@@ -50,9 +50,8 @@ class Reader {
   /// False if the file was not finished (cut off, or still being written).
   bool complete() const;
 
-  /// Largest error of a control colour of a keyframe (levels) and of a displacement (pixels, per axis).
+  /// Largest error of a control colour of a keyframe, levels.
   double colour_tolerance() const;
-  double displacement_tolerance() const;
 
   std::uint64_t file_bytes() const;
 

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <cstdint>
-#include <span>
 #include <utility>
 #include <vector>
 
@@ -28,10 +27,6 @@ struct Jet {
 
   bool operator==(const Jet&) const = default;
 };
-
-/// Simplex spline M(u | knots) of degree knots.size() - 3 (paper Eq. 1, 2), as the limit from the side of
-/// `direction`; zero if the knots span no area. Cost 3^degree.
-Jet simplex_spline(Vec2 u, std::span<const Vec2> knots, Vec2 direction);
 
 /// All basis functions of a space by the recurrence (paper Eq. 3). Holds the degree-k t-configs.
 class ReferenceBasis {
