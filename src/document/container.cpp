@@ -5,7 +5,7 @@
 
 #include "document/crc32c.h"
 #include "knotreel/base/error.h"
-#include "knotreel/document/limits.h"
+#include "knotreel/base/ticks.h"
 
 namespace knotreel::document {
 namespace {

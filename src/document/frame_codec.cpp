@@ -14,6 +14,7 @@
 #include "document/quantise.h"
 #include "document/topology_coding.h"
 #include "knotreel/base/error.h"
+#include "knotreel/base/ticks.h"
 #include "knotreel/document/limits.h"
 
 namespace knotreel::document {

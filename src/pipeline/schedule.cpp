@@ -5,7 +5,7 @@
 #include <string>
 
 #include "knotreel/base/error.h"
-#include "knotreel/document/limits.h"
+#include "knotreel/base/ticks.h"
 #include "knotreel/pipeline/sequence.h"
 
 namespace knotreel::pipeline {
@@ -47,7 +47,7 @@ double share_between(const document::Reader& reader, const std::vector<Showing>&
 /// Of a time that stored frames take, in ticks of the document.
 std::int64_t frames_in(double length, double ticks_per_frame) {
   const double count = length / ticks_per_frame;
-  if (!(count <= static_cast<double>(document::kMaxPts)))
+  if (!(count <= static_cast<double>(kMaxTicks)))
     throw Error(ErrorKind::kInvalidArgument, "at this rate there are more than 2^53 frames");
   return std::max(1LL, std::llround(count));
 }

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "knotreel/document/limits.h"
+#include "knotreel/base/ticks.h"
 
 namespace knotreel::pipeline {
 namespace {
@@ -87,7 +87,7 @@ std::vector<std::byte> bytes_of(const std::string& hex) {
 /// As for other nonsense, a number beyond what times of documents may be counts as not told.
 std::int64_t number(const std::string& text, std::int64_t otherwise) {
   const auto n = numbers(text, ' ');
-  return n.size() == 1 && document::is_time(n[0]) ? n[0] : otherwise;
+  return n.size() == 1 && is_time(n[0]) ? n[0] : otherwise;
 }
 
 }  // namespace
@@ -133,7 +133,7 @@ video::StreamInfo stream_info(const document::SequenceInfo& info) {
 std::int64_t nominal_duration(const video::StreamInfo& stream) {
   if (!stream.frame_rate.known()) return 0;
   const double ticks = 1 / (stream.frame_rate.value() * stream.time_base.value());
-  return std::llround(std::min(ticks, static_cast<double>(document::kMaxPts)));
+  return std::llround(std::min(ticks, static_cast<double>(kMaxTicks)));
 }
 
 std::int64_t last_duration(const document::Reader& reader) {

@@ -15,6 +15,7 @@ extern "C" {
 #include <memory>
 #include <string>
 
+#include "knotreel/base/ticks.h"
 #include "knotreel/video/stream_info.h"
 
 /// libav's objects as owners, and small translations.
@@ -67,14 +68,6 @@ class Options {
 void silence_libav();
 
 /// How many errors a codec has told of in libav's log, if its `opaque` points here. From any thread.
-/// Times in ticks, either way; sums and differences of some are far from the ends of 64 bits.
-inline constexpr std::int64_t kMaxTicks = std::int64_t{1} << 53;
-
-/// Not so for AV_NOPTS_VALUE.
-constexpr bool is_time(std::int64_t ticks) {
-  return ticks >= -kMaxTicks && ticks <= kMaxTicks;
-}
-
 using Complaints = std::atomic<std::uint64_t>;
 
 /// What a negative result of libav means, in words.

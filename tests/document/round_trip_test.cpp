@@ -6,7 +6,7 @@
 
 #include "document/sample_models.h"
 #include "knotreel/base/error.h"
-#include "knotreel/document/limits.h"
+#include "knotreel/base/ticks.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/document/writer.h"
@@ -193,8 +193,8 @@ TEST(Document, RefusesModelsThatDoNotFit) {
   EXPECT_TRUE(refuses([](FrameModel& m) { m.displacement[0].x = 1e12; }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = 0.26; }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = -0.01; }));
-  EXPECT_FALSE(refuses([](FrameModel& m) { m.pts = -document::kMaxPts; }));
-  EXPECT_TRUE(refuses([](FrameModel& m) { m.pts = document::kMaxPts + 1; }));
+  EXPECT_FALSE(refuses([](FrameModel& m) { m.pts = -kMaxTicks; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.pts = kMaxTicks + 1; }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.pts = std::numeric_limits<std::int64_t>::min(); }));
   EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = std::nan(""); }));
 }

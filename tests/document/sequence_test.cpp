@@ -11,7 +11,7 @@
 #include "document/container.h"
 #include "document/frame_codec.h"
 #include "document/sample_models.h"
-#include "knotreel/document/limits.h"
+#include "knotreel/base/ticks.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/document/writer.h"
 
@@ -115,7 +115,7 @@ TEST(Sequence, TimesOutOfRangeAreRefused) {
   const auto index_with = [](std::int64_t pts) {
     return document::parse_index(document::write_index({{0, 16, 0, 0, true}, {16, 16, 1, pts, false}}));
   };
-  EXPECT_EQ(index_with(document::kMaxPts)[1].pts, document::kMaxPts);
+  EXPECT_EQ(index_with(kMaxTicks)[1].pts, kMaxTicks);
   const auto prefix_with = [](std::int64_t pts) {
     document::ByteWriter out;
     out.u8(4);
@@ -123,9 +123,9 @@ TEST(Sequence, TimesOutOfRangeAreRefused) {
     out.svarint(pts);
     return document::read_prefix(out.view()).pts;
   };
-  EXPECT_EQ(prefix_with(-document::kMaxPts), -document::kMaxPts);
+  EXPECT_EQ(prefix_with(-kMaxTicks), -kMaxTicks);
   const auto least = std::numeric_limits<std::int64_t>::min();
-  for (const std::int64_t pts : {document::kMaxPts + 1, -document::kMaxPts - 1, least}) {
+  for (const std::int64_t pts : {kMaxTicks + 1, -kMaxTicks - 1, least}) {
     EXPECT_THROW(index_with(pts), document::Malformed);
     EXPECT_THROW(prefix_with(pts), document::Malformed);
   }

@@ -4,7 +4,7 @@
 
 #include <limits>
 
-#include "knotreel/document/limits.h"
+#include "knotreel/base/ticks.h"
 
 namespace knotreel::pipeline {
 namespace {
@@ -64,7 +64,7 @@ TEST(Sequence, TimesBeyondThoseOfDocumentsCountAsUnknown) {
   EXPECT_EQ(stream.end, 0);
   odd.frame_rate = {1, 0x7fffffff};
   odd.time_base = {1, 0x7fffffff};
-  EXPECT_EQ(nominal_duration(odd), document::kMaxPts);
+  EXPECT_EQ(nominal_duration(odd), kMaxTicks);
 }
 
 TEST(Sequence, TheNominalDurationIsThatOfTheFrameRate) {

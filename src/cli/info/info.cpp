@@ -57,7 +57,6 @@ Facts printable_facts(const Facts& facts) {
   return all;
 }
 
-/// What is of none of the kinds is refused as a document.
 bool tells_of_video(const std::string& path) {
   return !path.ends_with(".tcb") && is_video(path, {});
 }
@@ -67,13 +66,12 @@ void print_info(const std::string& path, bool json) {
     write_text("-", json ? facts.dump(2, ' ', false, Facts::error_handler_t::replace) + "\n"
                          : text(printable(path), printable_facts(facts)));
   };
-  if (is_document(path)) {
-    tell(document_facts(path), document_text);
-  } else if (tells_of_video(path)) {
+  const bool document = is_document(path);
+  if (!document && tells_of_video(path)) {
     tell(video_facts(path), video_text);
-  } else if (is_picture(path)) {
+  } else if (!document && is_picture(path)) {
     tell(picture_facts(path), picture_text);
-  } else {
+  } else {  // also what is of none of the kinds, to be refused
     tell(document_facts(path), document_text);
   }
 }
