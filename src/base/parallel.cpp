@@ -10,12 +10,14 @@
 #include <utility>
 
 #include "base/shared_loop.h"
+#include "base/workers.h"
 #include "knotreel/base/happens_before.h"
 
 namespace knotreel {
 
 ThreadCap::ThreadCap(int threads) : impl_(nullptr) {
   const int cap = threads > 0 ? threads : oneapi::tbb::info::default_concurrency();
+  ensure_workers(cap);
   impl_ = new oneapi::tbb::global_control(oneapi::tbb::global_control::max_allowed_parallelism,
                                           static_cast<std::size_t>(cap));
 }

@@ -41,6 +41,13 @@ void warn_of(const std::string& path, const std::vector<std::string>& messages) 
   for (const std::string& message : messages) warn("'" + path + "': " + message);
 }
 
+void warn_of_unused(const CLI::App& command, const std::string& group, const std::string& why) {
+  for (const CLI::Option* option : command.get_options()) {
+    if (option->get_group() == group && option->count() > 0)
+      warn(option->get_name() + " is not used: " + why);
+  }
+}
+
 void write_text(const std::string& path, const std::string& text) {
   OutputFile file(path);
   file.write(text);

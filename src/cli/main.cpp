@@ -20,6 +20,9 @@ using namespace knotreel;
 
 constexpr const char* kFooter = R"(
 Examples:
+  knotreel transcode clip.mp4 -o large.mp4 --scale 2 video to vectors and back, twice as large
+  knotreel vectorize clip.mp4 -o clip.tcb            video to a document with all frames
+  knotreel render clip.tcb -o clip.mkv               and back
   knotreel vectorize photo.png -o photo.tcb          picture to vector document
   knotreel render photo.tcb -o large.png --scale 4   and back, four times as large
   knotreel export photo.tcb -o photo.pdf             for other programs
@@ -27,14 +30,16 @@ Examples:
   knotreel info photo.tcb                            what is in it?
 'knotreel COMMAND --help' tells more about a command.
 
-Pictures: PNG, JPEG, TIFF, WebP, BMP, PBM/PGM/PPM, PAM, PFM. '-' is standard input or output.
+Videos: all that libav reads and writes. Pictures: PNG, JPEG, TIFF, WebP, BMP, PBM/PGM/PPM, PAM, PFM.
+'-' is standard input or output.
 Exit codes: 0 done, 2 wrong usage, 3 input unreadable or corrupt, 4 output cannot be written,
 130 interrupted, 1 anything else. An error is one line on standard error.)";
 
 void run(int argc, char** argv) {
   CLI::App program(
-      "Turns pictures into smooth vector graphics (TCB-spline surfaces), and those into pictures of any "
-      "size.",
+      "Turns videos and pictures into smooth vector graphics (TCB-spline surfaces), and those into videos "
+      "and "
+      "pictures of any size.",
       "knotreel");
   program.footer(kFooter);
   program.set_version_flag("--version", [] { return cli::version_text(); });

@@ -33,7 +33,10 @@ struct Band {
 }  // namespace
 
 bool is_picture(const std::filesystem::path& path) {
-  if (path == "-") return true;
+  std::error_code ignored;
+  const auto kind = std::filesystem::status(path, ignored).type();
+  // What comes through a pipe can be read once.
+  if (path == "-" || kind == std::filesystem::file_type::fifo) return true;
   const std::vector<std::byte> start = read_start(path, video::kPictureStart);
   if (image::detect_format(start)) return video::holds_one_picture(start, path.string());
   const std::string extension = path.extension().string();

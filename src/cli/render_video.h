@@ -29,9 +29,6 @@ struct RenderVideo {
   VideoOutputOptions encoding;
 };
 
-/// Of the options that only videos have, in the help.
-inline constexpr const char* kVideoGroup = "Videos";
-
 /// Adds the options that only videos have; `options` must live until it has been parsed.
 void add_render_video_options(CLI::App& command, RenderVideo& options);
 

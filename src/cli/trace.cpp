@@ -33,6 +33,8 @@ std::string event(const std::string& name, double begin, double duration, int th
 }
 
 int open_file(const std::string& path) {
+  if (path == "-")
+    throw Error(ErrorKind::kInvalidArgument, "--trace needs a file: its end is written anew all the time");
   return path.empty() ? -1 : ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
 }
 

@@ -160,7 +160,7 @@ void vectorize_picture(const Arguments& arguments) {
   }
 }
 
-void vectorize(const Arguments& arguments) {
+void vectorize(const CLI::App& command, const Arguments& arguments) {
   const bool split = !arguments.video.split_folder.empty();
   if (arguments.output.empty() && !split) {
     throw Error(ErrorKind::kInvalidArgument, "--output is required (see knotreel vectorize --help)");
@@ -175,6 +175,7 @@ void vectorize(const Arguments& arguments) {
     run.threads = arguments.threads;
     vectorize_video(std::move(run));
   } else {
+    warn_of_unused(command, kVideoGroup, "'" + arguments.input + "' is one picture");
     vectorize_picture(arguments);
   }
 }
@@ -216,7 +217,7 @@ void add_vectorize_command(CLI::App& program) {
   add_threads_option(*command, arguments->threads);
   add_vectorize_video_options(*command, arguments->video);
   command->footer(kFooter);
-  command->callback([arguments] { vectorize(*arguments); });
+  command->callback([command, arguments] { vectorize(*command, *arguments); });
 }
 
 }  // namespace knotreel::cli

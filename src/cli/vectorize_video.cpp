@@ -5,7 +5,7 @@
 namespace knotreel::cli {
 
 void add_vectorize_video_options(CLI::App& command, VideoRun& run) {
-  command.option_defaults()->group("Videos");
+  command.option_defaults()->group(kVideoGroup);
   command
       .add_option("--split", run.split_folder,
                   "Write a document per frame, frame_000001.tcb and so on, into this\n"

@@ -12,6 +12,9 @@
 /// The options of all commands that read or write videos.
 namespace knotreel::cli {
 
+/// Of the options that only videos have, in the help of commands that also take pictures.
+inline constexpr const char* kVideoGroup = "Videos";
+
 struct VideoInputOptions {
   std::string format;
   std::vector<std::string> demuxer;  ///< "key=value"

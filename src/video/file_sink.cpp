@@ -4,6 +4,7 @@ extern "C" {
 
 #include <cstring>
 
+#include "colour_rules.h"
 #include "copied_streams.h"
 #include "knotreel/base/error.h"
 #include "knotreel/video/reader.h"
@@ -53,6 +54,7 @@ class FileSink : public Sink {
     if (!encoder_.takes_crf())
       warnings.add(std::string("encoder '") + encoder_.context().codec->name +
                    "' has no crf: it is not used");
+    if (options.pixel_format.empty()) warn_of_losses(frames);
     AVFormatContext* made = nullptr;
     if (avformat_alloc_output_context2(&made, &container_, nullptr, nullptr) < 0) throw std::bad_alloc();
     muxer_.reset(made);
@@ -104,6 +106,19 @@ class FileSink : public Sink {
     io_.rethrow();
     if (result == AVERROR(ENOMEM)) throw std::bad_alloc();
     if (result < 0) throw Error(ErrorKind::kOutput, "cannot write " + io_.name() + ": " + error_text(result));
+  }
+
+  /// What the nearest pixel format cannot hold.
+  void warn_of_losses(const StreamInfo& frames) {
+    const AVPixelFormat format = encoder_.context().pix_fmt;
+    const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
+    const std::string name = std::string("pixel format '") + av_get_pix_fmt_name(format) + "' has ";
+    if (frames.channels % 2 == 0 && !has_alpha(description)) {
+      warnings.add(name + "no alpha: only the colours are kept (vp9, ffv1 and prores can keep both)");
+    }
+    if (frames.depth > 8 && depth_of(description) == 8) {
+      warnings.add(name + "8 bits: the " + std::to_string(frames.depth) + " of the pictures are rounded");
+    }
   }
 
   void make_video_stream(const StreamInfo& frames) {

@@ -124,4 +124,14 @@ std::vector<std::string> list_pictures(const std::string& input) {
   return names;
 }
 
+std::uint64_t missing_numbers(const std::string& input, const std::vector<std::string>& pictures) {
+  const auto pattern = number_pattern(input);
+  if (!pattern || pictures.empty()) return 0;
+  const auto number = [&](const std::string& picture) {
+    return number_in(*pattern, fs::path(picture).filename().string());
+  };
+  const auto first = number(pictures.front()), last = number(pictures.back());
+  return first && last ? *last - *first + 1 - pictures.size() : 0;
+}
+
 }  // namespace knotreel::video

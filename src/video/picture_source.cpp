@@ -50,13 +50,17 @@ Picture read_picture(const std::string& file, const ReadOptions& options) {
 
 class PictureSource : public Source {
  public:
-  PictureSource(std::vector<std::string> files, const ReadOptions& options)
+  PictureSource(std::vector<std::string> files, const ReadOptions& options, std::uint64_t missing)
       : files_(std::move(files)), options_(options) {
     if (!options.image_rate.known())
       throw Error(ErrorKind::kInvalidArgument, "the image rate must be above 0");
     // The first picture says what the frames are, so it has to be whole.
     first_ = read_picture(files_.front(), options_);
     describe(*first_);
+    if (missing > 0) {
+      warnings_.add(std::to_string(missing) +
+                    " numbers between the first and the last picture are missing: the next picture follows");
+    }
   }
 
   bool next(Frame& frame) override {
@@ -123,8 +127,9 @@ class PictureSource : public Source {
 
 }  // namespace
 
-std::unique_ptr<Source> open_pictures(std::vector<std::string> files, const ReadOptions& options) {
-  return std::make_unique<PictureSource>(std::move(files), options);
+std::unique_ptr<Source> open_pictures(std::vector<std::string> files, const ReadOptions& options,
+                                      std::uint64_t missing) {
+  return std::make_unique<PictureSource>(std::move(files), options, missing);
 }
 
 }  // namespace knotreel::video

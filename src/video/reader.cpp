@@ -28,7 +28,10 @@ bool is_picture_file(const std::string& input) {
 }
 
 std::unique_ptr<Source> open_source(const std::string& input, const ReadOptions& options) {
-  if (means_pictures(input)) return open_pictures(list_pictures(input), options);
+  if (means_pictures(input)) {
+    const std::vector<std::string> pictures = list_pictures(input);
+    return open_pictures(pictures, options, missing_numbers(input, pictures));
+  }
   if (options.format.empty() && is_picture_file(input)) return open_pictures({input}, options);
   return open_stream(input, options);
 }

@@ -44,6 +44,8 @@ struct ReaderState {
 std::unique_ptr<Source> open_stream(const std::string& input, const ReadOptions& options);
 
 /// Pictures, one frame each.
-std::unique_ptr<Source> open_pictures(std::vector<std::string> files, const ReadOptions& options);
+/// @param missing  how many there should be besides; only told of.
+std::unique_ptr<Source> open_pictures(std::vector<std::string> files, const ReadOptions& options,
+                                      std::uint64_t missing = 0);
 
 }  // namespace knotreel::video

@@ -1,9 +1,10 @@
 #include "stream_description.h"
 
 #include <array>
+#include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
+#include <string_view>
 
 #include "colour_rules.h"
 #include "demuxer.h"
@@ -85,6 +86,23 @@ void estimate_length(StreamInfo& info, const AVFormatContext& format, const AVSt
   if (info.still) info.frames = 1;
 }
 
+/// "00:01:02.345000000", as Matroska tells lengths in its tags; 0 if it is anything else. With a point
+/// whatever the locale of the program.
+double seconds_of(std::string_view text) {
+  double seconds = 0;
+  for (int part = 0; part < 3; ++part) {
+    double value = 0;
+    const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
+    if (status != std::errc()) return 0;
+    text.remove_prefix(std::size_t(end - text.data()));
+    const bool separated = part == 2 ? text.empty() : text.starts_with(':');
+    if (!separated || !(value >= 0)) return 0;
+    if (part < 2) text.remove_prefix(1);
+    seconds = 60 * seconds + value;
+  }
+  return seconds;
+}
+
 }  // namespace
 
 StreamInfo describe_stream(AVFormatContext& format, AVStream& stream, const AVCodecContext& decoder,
@@ -99,16 +117,12 @@ StreamInfo describe_stream(AVFormatContext& format, AVStream& stream, const AVCo
   return info;
 }
 
-/// Matroska tells it in its tags, as "00:01:02.345000000".
 double told_end(const AVStream& stream) {
   if (stream.duration > 0 && stream.start_time != AV_NOPTS_VALUE) {
     return (double(stream.start_time) + double(stream.duration)) * av_q2d(stream.time_base);
   }
   const AVDictionaryEntry* entry = av_dict_get(stream.metadata, "DURATION", nullptr, 0);
-  int hours = 0, minutes = 0;
-  double seconds = 0;
-  if (entry == nullptr || std::sscanf(entry->value, "%d:%d:%lf", &hours, &minutes, &seconds) != 3) return 0;
-  return 3600.0 * hours + 60.0 * minutes + seconds;
+  return entry == nullptr ? 0 : seconds_of(entry->value);
 }
 
 ColourNames names_of(const ColourTags& tags) {

@@ -46,6 +46,11 @@ std::unique_ptr<Sink> make_sink(const std::string& output, const StreamInfo& fra
   return make_file_sink(output, frames, options, copied);
 }
 
+bool asks_for_encoding(const WriteOptions& options) {
+  return !options.codec.empty() || options.crf >= 0 || !options.preset.empty() ||
+         !options.pixel_format.empty();
+}
+
 }  // namespace
 
 VideoWriter VideoWriter::create(const std::string& output, const StreamInfo& frames,
@@ -56,6 +61,10 @@ VideoWriter VideoWriter::create(const std::string& output, const StreamInfo& fra
   std::unique_ptr<Sink> sink = make_sink(output, turned(frames, turn), options, copied);
   sink->info = frames;
   sink->turn = turn;
+  if (sink->codec().empty() && asks_for_encoding(options)) {
+    sink->warnings.add(
+        "codec, quality, preset and pixel format are not used: this output is no encoded video");
+  }
   return VideoWriter(std::move(sink));
 }
 

@@ -124,6 +124,24 @@ TEST(CliBatch, AListFromAFileOrStandardInput) {
   }
 }
 
+TEST(CliBatch, AListOfAnEditorThatMarksTheOrderOfBytes) {
+  const Lot lot({"a.png"});
+  write_text(lot.dir / "list.txt", "\xef\xbb\xbf" + lot.in_file("a.png") + "\n");
+  expect_success(test::knotreel({"batch", (lot.dir / "list.txt").string(), "-o", lot.out}));
+}
+
+TEST(CliBatch, TheManifestMayGoToStandardOutput) {
+  const Lot lot({"a.png", "b.png"});
+  const auto result = lot.run({"--manifest", "-", "-v"});
+  expect_success(result);
+  std::istringstream text(result.out);
+  std::size_t lines = 0;
+  for (std::string line; std::getline(text, line); ++lines) EXPECT_EQ(json::parse(line)["status"], "done");
+  EXPECT_EQ(lines, 2u);
+  EXPECT_FALSE(fs::exists(lot.out_file("manifest.jsonl")));
+  expect_failure(lot.run({"--manifest", "-", "--resume"}), 2);
+}
+
 TEST(CliBatch, InputsOfOneNameKeepTheirExtensions) {
   const Lot lot({"a.png", "b.png"});
   image::write_image(lot.in_file("a.ppm"), test::smooth_picture(20, 20, 3));
@@ -195,7 +213,10 @@ TEST(CliBatch, NothingToDoIsExit3AndWrongOptionsExit2) {
   const TempDir empty;
   expect_failure(test::knotreel({"batch", empty.path().string(), "-o", lot.out}), 3);
   expect_failure(test::knotreel({"batch", (empty / "missing").string(), "-o", lot.out}), 3);
-  expect_failure(test::knotreel({"batch", lot.in_file("a.png"), "-o", lot.out}), 3);
+  for (const std::string name : {"a.png", "a.mp4", "a.txt"}) {
+    if (name != "a.png") write_text(lot.in_file(name), std::string("\0\0", 2) + name);
+    expect_failure(test::knotreel({"batch", lot.in_file(name), "-o", lot.out}), 3);
+  }
   expect_failure(lot.run({"--max-control-points", "x"}), 2);
   EXPECT_FALSE(fs::exists(lot.out));
 }

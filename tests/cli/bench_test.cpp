@@ -151,6 +151,8 @@ TEST_F(CliBench, ErrorsAreThoseOfTheRuns) {
     }
   }
   expect_failure(knotreel({"bench", path("no.mp4")}), 3);
+  const auto unwritable = knotreel({"bench", path("no.mp4"), "--json", path("no/result.json")});
+  expect_failure(unwritable, 4);  // told before the clips are looked at
   const auto wrong = knotreel({"bench", "static", "--size", "64x36", "--frames", "2", "--threads", "1",
                                "--transcode-options", "--no-such-option"});
   EXPECT_EQ(wrong.exit_code, 2) << wrong.err;

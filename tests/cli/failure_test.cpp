@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <future>
+#include <thread>
 
 #include "program.h"
 #include "support/clips.h"
@@ -84,6 +85,24 @@ TEST(CliInput, PicturesOfDifferentSizeAreExit2) {
   image::write_image(dir / "a.png", image::make_image(3, 4, 3));
   image::write_image(dir / "b.png", image::make_image(4, 3, 3));
   expect_failure(test::knotreel({"compare", (dir / "a.png").string(), (dir / "b.png").string()}), 2);
+}
+
+TEST(CliInput, PicturesComeThroughPipes) {
+  const Sample sample;
+  const std::string pipe = sample.path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::thread writer([&] { write_text(pipe, read_text(sample.picture)); });
+  expect_success(test::knotreel({"compare", pipe, sample.picture}));
+  writer.join();
+}
+
+TEST(CliInput, OptionsWithoutEffectAreTold) {
+  const Sample sample;
+  const auto result =
+      test::knotreel({"vectorize", sample.picture, "-o", sample.path("o.tcb"), "--no-warm-start"});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_EQ(result.err,
+            "knotreel: warning: --no-warm-start is not used: '" + sample.picture + "' is one picture\n");
 }
 
 TEST(CliOutput, UnwritableOutputsAreExit4AndLeaveNothing) {

@@ -131,6 +131,11 @@ TEST_F(CliTrace, WhereNoneCanBeWrittenIsExit4) {
   test::expect_failure(knotreel({"transcode", clip_, "-f", "null", "--trace", "/dev/full"}), 4);
 }
 
+TEST_F(CliTrace, StandardOutputCannotBeOne) {
+  test::expect_failure(knotreel({"transcode", clip_, "-f", "null", "--trace", "-"}), 2);
+  EXPECT_FALSE(std::filesystem::exists("-"));
+}
+
 TEST_F(CliTrace, TheSummaryTellsHowBusyTheCoresWere) {
   const auto result = knotreel({"transcode", clip_, "-f", "null", "--preset", "fast"});
   expect_success(result);

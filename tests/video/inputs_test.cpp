@@ -84,6 +84,19 @@ TEST(Inputs, PicturesOfOtherSizesAreScaledWithAWarning) {
   EXPECT_EQ(clip.warnings.size(), 1u);
 }
 
+TEST(Inputs, MissingNumbersAreTold) {
+  const TempDir dir;
+  for (const char* name : {"f3.png", "f4.png", "f8.png", "f10.png"}) {
+    image::write_image(dir / name, flat(8, 6, 50));
+  }
+  const WholeClip clip = read_clip(dir / "f%d.png");
+  ASSERT_EQ(clip.frames.size(), 4u);
+  EXPECT_EQ(clip.frames[3].pts, 3);
+  ASSERT_EQ(clip.warnings.size(), 1u);
+  EXPECT_EQ(clip.warnings[0].find("4 numbers between"), 0u) << clip.warnings[0];
+  EXPECT_EQ(read_clip(dir / "f*.png").warnings.size(), 0u);
+}
+
 TEST(Inputs, BrokenPicturesLeaveAGap) {
   const TempDir dir;
   write_pictures(dir);

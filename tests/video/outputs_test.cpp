@@ -225,6 +225,49 @@ TEST(Outputs, QualityThatAnEncoderDoesNotKnowIsTold) {
   EXPECT_EQ(VideoWriter::create(dir / "a.mkv", info, options).warnings().size(), 1u);
 }
 
+TEST(Outputs, AlphaThatAnEncoderDoesNotKeepIsTold) {
+  const TempDir dir;
+  for (const int channels : {1, 2, 3, 4}) {
+    const StreamInfo info = moving_pattern(64, 48, channels, 1).info;
+    const auto warnings = [&](const char* codec) {
+      return VideoWriter::create(dir / "a.mkv", info, with_codec(codec)).warnings().size();
+    };
+    EXPECT_EQ(warnings("h264"), channels % 2 == 0 ? 1u : 0u) << channels;
+    EXPECT_EQ(warnings("ffv1"), 0u) << channels;
+    EXPECT_EQ(warnings("prores"), 0u) << channels;
+  }
+}
+
+TEST(Outputs, DepthThatAnEncoderDoesNotKeepIsTold) {
+  const TempDir dir;
+  StreamInfo info = moving_pattern(64, 48, 3, 1).info;
+  const auto warnings = [&](const WriteOptions& options) {
+    return VideoWriter::create(dir / "a.mkv", info, options).warnings().size();
+  };
+  EXPECT_EQ(warnings(with_codec("mpeg4")), 0u);
+  info.depth = 10;
+  EXPECT_EQ(warnings(with_codec("mpeg4")), 1u);
+  EXPECT_EQ(warnings(with_codec("h264")), 0u);
+  WriteOptions asked_for = with_codec("h264");
+  asked_for.pixel_format = "yuv420p";
+  EXPECT_EQ(warnings(asked_for), 0u);
+}
+
+TEST(Outputs, QualityOfWhatIsNotEncodedIsTold) {
+  const TempDir dir;
+  const StreamInfo info = moving_pattern(64, 48, 3, 1).info;
+  const auto warnings = [&](const char* name, WriteOptions options) {
+    const auto without = VideoWriter::create(dir / name, info, options).warnings().size();
+    EXPECT_EQ(without, 0u);
+    options.crf = 20;
+    return VideoWriter::create(dir / name, info, options).warnings().size();
+  };
+  EXPECT_EQ(warnings("", into("null")), 1u);
+  EXPECT_EQ(warnings("", into("hash")), 1u);
+  EXPECT_EQ(warnings("%d.png", {}), 1u);
+  EXPECT_EQ(warnings("a.mp4", {}), 0u);
+}
+
 TEST(Outputs, OneThreadGivesTheSameBytesTwice) {
   const TempDir dir;
   for (const char* name : {"a.mp4", "b.mp4"}) {

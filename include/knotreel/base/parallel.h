@@ -8,6 +8,8 @@ namespace knotreel {
 /// Caps the threads that the whole process uses for parallel_for (and everything built on oneTBB) from now on
 /// and until the object is destroyed. 0 means all cores. Of several that exist the least holds; each belongs
 /// to the thread that made it.
+/// @throws Error{kInternal} if the system does not allow for as many threads, or one per core if these are
+/// fewer.
 class ThreadCap {
  public:
   explicit ThreadCap(int threads);

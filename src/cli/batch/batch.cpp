@@ -67,10 +67,16 @@ void run_batch(const Arguments& arguments) {
                                ? (std::filesystem::path(arguments.places.output) / "manifest.jsonl").string()
                                : arguments.manifest;
   check_lot(lot.items, places.input, path);
+  const bool piped = path == "-";
+  if (piped && arguments.resume) {
+    throw Error(ErrorKind::kInvalidArgument, "--resume needs a manifest that is a file");
+  }
   make_output_folder(arguments.places.output);
   if (arguments.resume) lot.before = batch::read_manifest(path);
   batch::Manifest manifest(path, arguments.resume);
-  batch::Progress progress(lot.items.size(), arguments.verbose);
+  batch::Progress progress(lot.items.size(), piped               ? batch::Telling::kNothing
+                                             : arguments.verbose ? batch::Telling::kItems
+                                                                 : batch::Telling::kSum);
   const double alone_above = 1e6 * arguments.alone_above;
   VideoRun run = arguments.clips;
   run.options = arguments.options;
@@ -93,8 +99,8 @@ void add_places(CLI::App& command, Arguments& arguments) {
   command.add_flag("--recursive", arguments.places.recursive, "Also the folders in the input folder");
   command
       .add_option("--manifest", arguments.manifest,
-                  "Write a line of JSON for every picture that is through\n(default manifest.jsonl among the "
-                  "documents)")
+                  "Write a line of JSON for every picture that is through (default\n"
+                  "manifest.jsonl among the documents); '-': standard output")
       ->type_name("FILE");
   command.add_flag("--resume", arguments.resume,
                    "Go on with the manifest: skip what is done and has not changed");

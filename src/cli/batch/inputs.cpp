@@ -6,6 +6,7 @@
 #include <map>
 #include <set>
 #include <sstream>
+#include <string_view>
 
 #include "cli/pictures.h"
 #include "knotreel/base/error.h"
@@ -19,6 +20,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::uint64_t kMaxListBytes = std::uint64_t{1} << 30;
+constexpr std::string_view kByteOrderMark = "\xef\xbb\xbf";  ///< that some editors begin text with
 
 /// An input, and its place below the folder of the outputs.
 struct Found {
@@ -80,13 +82,24 @@ std::vector<Found> in_folder(const fs::path& folder, const Places& wanted) {
   return found;
 }
 
+/// What somebody may take for an input, and is not one.
+void check_list(const std::string& path) {
+  if (path == "-" || !fs::is_regular_file(path)) return;
+  const bool picture = image::detect_format(read_start(path, 16)).has_value();
+  if (!picture && !looks_like_clip(path)) return;
+  throw Error(ErrorKind::kInput, cannot_read(path, "list") + "it is a " + (picture ? "picture" : "video") +
+                                     " (see knotreel vectorize --help)");
+}
+
 std::vector<Found> in_list(const std::string& path) {
-  if (path != "-" && fs::is_regular_file(path) && image::detect_format(read_start(path, 16))) {
-    throw Error(ErrorKind::kInput,
-                cannot_read(path, "list") + "it is a picture (see knotreel vectorize --help)");
-  }
+  check_list(path);
   const std::vector<std::byte> bytes = read_whole(path, kMaxListBytes, "list");
-  std::istringstream lines(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
+  std::string text(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  if (text.starts_with(kByteOrderMark)) text.erase(0, kByteOrderMark.size());
+  if (text.find('\0') != std::string::npos) {
+    throw Error(ErrorKind::kInput, cannot_read(path, "list") + "it is not text with one path per line");
+  }
+  std::istringstream lines(text);
   std::vector<Found> found;
   std::set<std::string> known;
   for (std::string line; std::getline(lines, line);) {

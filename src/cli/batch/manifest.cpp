@@ -65,6 +65,11 @@ bool lacks_line_end(int descriptor) {
               "cannot write manifest '" + path + "': " + std::generic_category().message(errno));
 }
 
+int open_manifest(const std::string& path, bool keep) {
+  if (path == "-") return ::fcntl(STDOUT_FILENO, F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+  return ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | (keep ? 0 : O_TRUNC), 0666);
+}
+
 }  // namespace
 
 std::optional<Stamp> stamp_of(const std::string& path) {
@@ -91,8 +96,8 @@ std::map<std::string, Entry> read_manifest(const std::string& path) {
   return entries;
 }
 
-Manifest::Manifest(std::string path, bool keep) : path_(std::move(path)) {
-  descriptor_ = ::open(path_.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | (keep ? 0 : O_TRUNC), 0666);
+Manifest::Manifest(std::string path, bool keep)
+    : path_(std::move(path)), descriptor_(open_manifest(path_, keep)) {
   if (descriptor_ < 0) fail(path_);
   // A kill may have cut the last line.
   if (lacks_line_end(descriptor_)) write("\n");

@@ -47,7 +47,7 @@ std::map<std::string, Entry> read_manifest(const std::string& path);
 /// Writes lines, each at once and whole. Safe to use from several threads.
 class Manifest {
  public:
-  /// @param keep  go on behind what is there. @throws Error{kOutput}
+  /// @param path  `-`: standard output. @param keep  go on behind what is there. @throws Error{kOutput}
   Manifest(std::string path, bool keep);
   ~Manifest();
   Manifest(const Manifest&) = delete;

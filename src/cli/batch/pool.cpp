@@ -3,8 +3,11 @@
 #include <algorithm>
 #include <chrono>
 #include <exception>
+#include <system_error>
 #include <thread>
 #include <vector>
+
+#include "knotreel/base/error.h"
 
 namespace knotreel::cli::batch {
 namespace {
@@ -102,6 +105,7 @@ void Room::share_threads() {
 
 void run_jobs(std::size_t count, const Crew& crew, const std::function<void(std::size_t, Room&)>& job,
               const std::function<void()>& tick) {
+  const ThreadCap most(crew.threads);  // what can go wrong with threads is to go wrong here
   Room room(crew.workers, crew.threads);
   Counter counter(count);
   Finish finish(crew.workers);
@@ -115,7 +119,15 @@ void run_jobs(std::size_t count, const Crew& crew, const std::function<void(std:
     finish.one();
   };
   std::vector<std::jthread> workers;
-  for (int i = 0; i < crew.workers; ++i) workers.emplace_back(work);
+  for (int i = 0; i < crew.workers; ++i) {
+    try {
+      workers.emplace_back(work);
+    } catch (const std::system_error& e) {
+      if (workers.empty()) throw Error(ErrorKind::kInternal, "cannot make a thread: " + e.code().message());
+      room.retire();  // the others do without
+      finish.one();
+    }
+  }
   while (!finish.wait()) tick();
   workers.clear();
   counter.rethrow();

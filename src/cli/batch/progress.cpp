@@ -28,8 +28,8 @@ std::string line_of(const Entry& entry) {
 
 }  // namespace
 
-Progress::Progress(std::size_t total, bool verbose)
-    : verbose_(verbose), terminal_(standard_error_is_terminal()) {
+Progress::Progress(std::size_t total, Telling telling)
+    : telling_(telling), terminal_(standard_error_is_terminal()) {
   counts_.total = total;
 }
 
@@ -43,7 +43,7 @@ void Progress::add(const Entry& entry) {
   clear();
   if (entry.status == "failed") {
     put_error_line(entry.error);
-  } else if (verbose_) {
+  } else if (telling_ == Telling::kItems) {
     write_text("-", printable(line_of(entry)) + "\n");
   }
   show();
@@ -56,6 +56,7 @@ void Progress::tick() {
 
 void Progress::finish() {
   clear();
+  if (telling_ == Telling::kNothing) return;
   write_text("-", fmt::format("{} items: {} done, {} failed, {} skipped in {:.1f} s\n", counts_.total,
                               counts_.done, counts_.failed, counts_.skipped, seconds()));
 }

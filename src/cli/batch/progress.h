@@ -18,11 +18,14 @@ struct Counts {
   std::size_t ended() const { return done + failed + skipped; }
 };
 
+/// How much of the progress goes to standard output.
+enum class Telling { kNothing, kSum, kItems };
+
 /// Tells how the lot is getting on. Errors go to standard error, lines about items and the sum to standard
 /// output, and a line that is gone afterwards to a terminal. Safe to use from several threads.
 class Progress {
  public:
-  Progress(std::size_t total, bool verbose);
+  Progress(std::size_t total, Telling telling);
   ~Progress();
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
@@ -44,7 +47,7 @@ class Progress {
 
   std::mutex mutex_;
   Counts counts_;
-  bool verbose_;
+  Telling telling_;
   bool terminal_;
   std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
 };

@@ -16,6 +16,7 @@
 #include "cli/progress_line.h"
 #include "cli/video_options.h"
 #include "knotreel/base/error.h"
+#include "knotreel/base/output_file.h"
 
 namespace knotreel::cli {
 namespace {
@@ -108,13 +109,18 @@ void measure(const Arguments& arguments) {
                          {"transcode_options", arguments.transcode_options},
                          {"encoding", encoding_words(arguments.encoding)}};
   result["runs"] = Json::array();
+  std::optional<OutputFile> json;
+  if (!arguments.json.empty()) json.emplace(arguments.json);  // first: better to fail before the work
   try {
     measure_all(arguments, result);
   } catch (const Error& e) {
     if (e.kind() != ErrorKind::kInterrupted) throw;
   }
   if (arguments.markdown) write_text("-", bench::markdown(result));
-  if (!arguments.json.empty()) write_text(arguments.json, result.dump(2) + "\n");
+  if (json) {
+    json->write(result.dump(2) + "\n");
+    json->commit();
+  }
   check_interrupted();
 }
 

@@ -1,0 +1,73 @@
+#include "base/workers.h"
+
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <latch>
+#include <mutex>
+#include <system_error>
+#include <thread>
+#include <vector>
+
+#include "knotreel/base/error.h"
+
+namespace knotreel {
+namespace {
+
+using Clock = std::chrono::steady_clock;
+
+constexpr int kGraph = 2;
+constexpr std::chrono::milliseconds kPatience{100};
+
+/// That the system allows for so many threads besides this one, all at once.
+void check_threads(int count) {
+  std::latch done(1);
+  std::vector<std::jthread> threads;
+  try {
+    for (int i = 0; i < count; ++i) threads.emplace_back([&] { done.wait(); });
+    done.count_down();
+  } catch (const std::system_error& e) {
+    done.count_down();
+    throw Error(ErrorKind::kInternal, "cannot make " + std::to_string(count) +
+                                          " more threads: " + e.code().message() +
+                                          "; allow for more (ulimit -u), or use fewer (--threads)");
+  }
+}
+
+/// Gives each of so many threads something to do until all are there, or it has taken too long: all others
+/// may be at work on something else.
+void start(int threads) {
+  std::atomic<int> arrived{0};
+  const auto deadline = Clock::now() + kPatience;
+  const auto meet = [&](int) {
+    ++arrived;
+    while (arrived < threads && Clock::now() < deadline) std::this_thread::yield();
+  };
+  oneapi::tbb::task_arena arena(threads);
+  arena.execute([&] { oneapi::tbb::parallel_for(0, threads, meet, oneapi::tbb::static_partitioner()); });
+}
+
+}  // namespace
+
+void ensure_workers(int threads) {
+  static std::mutex mutex;
+  static int ready = 1;
+  // No arena of the usual size has more threads than there are cores; a flow graph has two, whatever the cap.
+  const int cores = oneapi::tbb::info::default_concurrency();
+  const int needed = std::max(kGraph, std::min(threads, cores));
+  const std::lock_guard lock(mutex);
+  if (needed <= ready) return;
+  check_threads(needed - 1);
+  // Under a lower cap none can be made, and oneTBB would say so on standard error.
+  using Control = oneapi::tbb::global_control;
+  const int allowed = static_cast<int>(Control::active_value(Control::max_allowed_parallelism));
+  start(std::min(needed, allowed));
+  ready = std::min(needed, allowed);
+}
+
+}  // namespace knotreel
