@@ -7,9 +7,9 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/descend.h"
 #include "knotreel/fit/knot_gradient.h"
+#include "knotreel/knots/idle_knots.h"
 #include "knotreel/knots/refine.h"
 #include "knotreel/mesh/insert_polylines.h"
-#include "knotreel/track/idle_knots.h"
 #include "track/births.h"
 #include "track/new_knots.h"
 #include "track/resting_knots.h"
@@ -137,9 +137,9 @@ void Rework::refill(const ReworkInput& input, std::span<const float> errors, boo
                                  (1 - kBoundLeeway) * static_cast<double>(input.most_functions));
   const double missing = (wanted - functions - born_functions) / per_knot;
   const std::size_t removed =
-      remove_idle_knots(mesh, input.target, sorted_face_errors(mesh, errors, width, height),
-                        urgent ? options_.urgent_swap : options_.swap,
-                        born.empty() ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
+      knots::remove_idle_knots(mesh, input.target, knots::sorted_face_errors(mesh, errors, width, height),
+                               urgent ? options_.urgent_swap : options_.swap,
+                               born.empty() ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
   log.changes.swapped += removed;
   knots::RefineOptions refine;
   refine.max_knots = static_cast<std::size_t>(std::max(0.0, missing + static_cast<double>(removed)));

@@ -10,10 +10,10 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"
+#include "knotreel/knots/idle_knots.h"
 #include "knotreel/raster/edge_softness.h"
 #include "knotreel/spline/fingerprint.h"
 #include "knotreel/track/group_rule.h"
-#include "knotreel/track/idle_knots.h"
 #include "track/bend_geometry.h"
 #include "track/carried_geometry.h"
 #include "track/carried_links.h"
@@ -265,7 +265,8 @@ class Tracker::Impl {
     const Foresight foresight(mesh, *target_, errors_before);
     std::size_t count = next_mesh_.knots.size() - carried.knots.size();
     if (foresight.loss() > options_.swap_above) {
-      const std::size_t idle = remove_idle_knots(mesh, *target_, foresight.growths(), options_.urgent_swap);
+      const std::size_t idle =
+          knots::remove_idle_knots(mesh, *target_, foresight.growths(), options_.urgent_swap);
       report_->changes.swapped += idle;
       count += idle;
     }
@@ -314,7 +315,7 @@ class Tracker::Impl {
     while (space->function_count() > most_functions_) {
       const std::size_t surplus = (space->function_count() - most_functions_) / 2 + kBoundMargin;
       EditableMesh fewer(mesh_, next_id_);
-      if (remove_idle_knots(fewer, *target_, {}, {}, surplus) == 0) break;
+      if (knots::remove_idle_knots(fewer, *target_, {}, {}, surplus) == 0) break;
       space = over(fewer.to_mesh());
     }
     parallel_invoke(

@@ -12,6 +12,7 @@
 #include "knotreel/fit/descend.h"
 #include "knotreel/fit/edge_colours.h"
 #include "knotreel/fit/pixel_places.h"
+#include "knotreel/knots/idle_knots.h"
 #include "knotreel/knots/link_choice.h"
 #include "knotreel/knots/place.h"
 #include "knotreel/knots/refine.h"
@@ -32,6 +33,9 @@ using mesh::KnotIndex;
 
 // Share of the control points that the first round may use; the rest is for refinement.
 constexpr double kFirstShare = 0.8;
+
+// Of idle knots in a round of refinement: more go at once than in a video, where each change is seen.
+constexpr knots::SwapOptions kSwap{.ratio = 10, .share = 0.1};
 
 class Timer {
  public:
@@ -337,7 +341,8 @@ class Run {
     show("knots");
   }
 
-  /// Inserts knots where the last fit was worst. @return whether there was room for any.
+  /// Inserts knots where the last fit was worst, and moves there those that are idle elsewhere. @return
+  /// whether there was room for any.
   bool refine(int round) {
     const int left = options_.rounds - round + 1;
     const double used = static_cast<double>(surface_.space->function_count());
@@ -352,8 +357,11 @@ class Run {
     std::vector<KnotIndex> inserted = refine_curves();
     curves_refined_ = !inserted.empty();
     refine.max_knots -= std::min(refine.max_knots, inserted.size());
+    const std::vector<float> errors = squared_errors();
+    refine.max_knots += knots::remove_idle_knots(
+        *mesh_, *target_, knots::sorted_face_errors(*mesh_, errors, picture_.width, picture_.height), kSwap);
     const std::vector<KnotIndex> off_curves =
-        knots::refine_knots(*mesh_, squared_errors(), places_, picture_.width, picture_.height, refine);
+        knots::refine_knots(*mesh_, errors, places_, picture_.width, picture_.height, refine);
     inserted.insert(inserted.end(), off_curves.begin(), off_curves.end());
     lap("insert");
     if (inserted.empty()) return false;

@@ -10,12 +10,12 @@
 #include "knotreel/document/frame_model.h"
 #include "knotreel/document/writer.h"
 #include "knotreel/image/image.h"
+#include "knotreel/knots/idle_knots.h"
 #include "knotreel/spline/basis.h"
 #include "knotreel/spline/pixel_surface.h"
 #include "knotreel/track/birth_options.h"
 #include "knotreel/track/carry_mesh.h"
 #include "knotreel/track/cold_frame.h"
-#include "knotreel/track/idle_knots.h"
 #include "knotreel/track/motion.h"
 #include "knotreel/vectorize/options.h"
 
@@ -48,7 +48,7 @@ struct TrackOptions {
   double reluctance = 0.5;    ///< of control points to change their colours (fit::ColourFitOptions) ...
   double reluctance_error = 2;  ///< ... and less where the frame before was missed by less than this, levels
   CarryOptions carry{};
-  SwapOptions swap{};
+  knots::SwapOptions swap{};
   /// When a frame is worse than the one before by this, knots are put where the error is at once, and it is
   /// fitted again; dB ...
   double repair_below = 0.4;
@@ -72,7 +72,7 @@ struct TrackOptions {
   /// ... and of so many times that in other frames, more than 0: a third less where the PSNR is above 38.5
   /// dB, a third more where it is below 26.
   double delta_coarseness = document::EncodeOptions{}.delta_coarseness;
-  SwapOptions urgent_swap{.ratio = 10, .share = 0.08};
+  knots::SwapOptions urgent_swap{.ratio = 10, .share = 0.08};
 };
 
 /// Why a frame is as it is.

@@ -1,11 +1,11 @@
-#include "knotreel/track/idle_knots.h"
+#include "knotreel/knots/idle_knots.h"
 
 #include <algorithm>
 #include <vector>
 
 #include "knotreel/base/parallel.h"
 
-namespace knotreel::track {
+namespace knotreel::knots {
 
 using mesh::EditableMesh;
 using mesh::FaceIndex;
@@ -21,26 +21,26 @@ bool may_go(mesh::KnotKind kind) {
   return kind == mesh::KnotKind::kFree || kind == mesh::KnotKind::kBorder;
 }
 
-struct Candidate {
+struct IdleCandidate {
   double cost;
   KnotIndex knot;
 };
 
 /// Free and border knots by what they keep away, the idlest first.
-std::vector<Candidate> by_cost(const EditableMesh& mesh, const knots::Target& target) {
+std::vector<IdleCandidate> by_cost(const EditableMesh& mesh, const Target& target) {
   std::vector<double> errors(mesh.face_slots(), 0);
-  std::vector<knots::Moments> moments(mesh.face_slots());
+  std::vector<Moments> moments(mesh.face_slots());
   parallel_for(mesh.face_slots(), [&](std::size_t f) {
     if (!mesh.is_face(static_cast<FaceIndex>(f))) return;
     moments[f] = target.moments(mesh.triangle(static_cast<FaceIndex>(f)));
     errors[f] = target.fit(moments[f]).error;
   });
-  std::vector<Candidate> candidates;
+  std::vector<IdleCandidate> candidates;
   std::vector<FaceIndex> ring;
   for (KnotIndex k = 0; k < mesh.knot_slots(); ++k) {
     if (!mesh.is_knot(k) || !may_go(mesh.knot(k).kind)) continue;
     mesh.faces_around(k, ring);
-    knots::Moments all;
+    Moments all;
     double apart = 0;
     for (const FaceIndex f : ring) {
       all = all + moments[f];
@@ -49,7 +49,7 @@ std::vector<Candidate> by_cost(const EditableMesh& mesh, const knots::Target& ta
     const double factor = mesh.knot(k).kind == mesh::KnotKind::kBorder ? kBorderCost : 1.0;
     candidates.push_back({factor * std::max(0.0, target.fit(all).error - apart), k});
   }
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+  std::sort(candidates.begin(), candidates.end(), [](const IdleCandidate& a, const IdleCandidate& b) {
     return a.cost != b.cost ? a.cost < b.cost : a.knot < b.knot;
   });
   return candidates;
@@ -63,7 +63,7 @@ std::vector<double> sorted_face_errors(const EditableMesh& mesh, std::span<const
   parallel_for(sums.size(), [&](std::size_t face) {
     const auto f = static_cast<FaceIndex>(face);
     if (!mesh.is_face(f)) return;
-    const knots::TriangleRows rows(mesh.triangle(f), width, height);
+    const TriangleRows rows(mesh.triangle(f), width, height);
     double sum = 0;
     for (int y = rows.first(); y < rows.last(); ++y) {
       int begin = 0;
@@ -78,19 +78,18 @@ std::vector<double> sorted_face_errors(const EditableMesh& mesh, std::span<const
   return sums;
 }
 
-std::size_t remove_idle_knots(EditableMesh& mesh, const knots::Target& target,
-                              std::span<const double> face_errors, const SwapOptions& options,
-                              std::size_t surplus) {
-  const std::vector<Candidate> candidates = by_cost(mesh, target);
+std::size_t remove_idle_knots(EditableMesh& mesh, const Target& target, std::span<const double> face_errors,
+                              const SwapOptions& options, std::size_t surplus) {
+  const std::vector<IdleCandidate> candidates = by_cost(mesh, target);
   const auto most =
       std::max(surplus, static_cast<std::size_t>(options.share * static_cast<double>(mesh.knot_count())));
   std::vector<bool> touched(mesh.knot_slots(), false);  // costs around removed knots are out of date
   std::vector<FaceIndex> ring;
   std::size_t removed = 0;
-  for (const Candidate& c : candidates) {
+  for (const IdleCandidate& c : candidates) {
     if (removed == most) break;
     if (removed >= surplus &&
-        (removed >= face_errors.size() || 0.5 * face_errors[removed] < options.ratio * c.cost))
+        (removed >= face_errors.size() || 0.5 * face_errors[removed] <= options.ratio * c.cost))
       break;
     if (touched[c.knot]) continue;
     mesh.faces_around(c.knot, ring);
@@ -102,4 +101,4 @@ std::size_t remove_idle_knots(EditableMesh& mesh, const knots::Target& target,
   return removed;
 }
 
-}  // namespace knotreel::track
+}  // namespace knotreel::knots

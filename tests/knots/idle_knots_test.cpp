@@ -1,4 +1,4 @@
-#include "knotreel/track/idle_knots.h"
+#include "knotreel/knots/idle_knots.h"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 
 #include "support/mesh_cases.h"
 
-namespace knotreel::track {
+namespace knotreel::knots {
 namespace {
 
 using mesh::EditableMesh;
@@ -39,7 +39,7 @@ TEST(IdleKnots, AreThoseWhereThePictureIsFlatOnTheBorderToo) {
     const std::size_t border = count(mesh, KnotKind::kBorder);
     const std::size_t features = count(mesh, KnotKind::kVertex) + count(mesh, KnotKind::kSegment);
     const std::size_t knots = mesh.knot_count();
-    const knots::Target target(half_flat(int(mesh.width()), int(mesh.height())), {});
+    const Target target(half_flat(int(mesh.width()), int(mesh.height())), {});
     const std::size_t removed = remove_idle_knots(mesh, target, {}, {}, knots / 5);
     EXPECT_EQ(mesh.knot_count(), knots - removed);
     EXPECT_EQ(count(mesh, KnotKind::kVertex) + count(mesh, KnotKind::kSegment), features);
@@ -49,5 +49,26 @@ TEST(IdleKnots, AreThoseWhereThePictureIsFlatOnTheBorderToo) {
   EXPECT_GT(removed_from_border, 5u);
 }
 
+/// Each that goes makes room for one that is worth it, and there are no more than asked for.
+TEST(IdleKnots, GoOnlyForFacesThatAreMuchWorse) {
+  std::size_t any = 0;
+  for (const auto& c : testing::random_cases(30, 10)) {
+    SCOPED_TRACE(c.to_text());
+    const Target target(half_flat(int(c.mesh.width), int(c.mesh.height)), {});
+    const auto removed = [&](const std::vector<double>& errors, double share) {
+      EditableMesh mesh(c.mesh);
+      return remove_idle_knots(mesh, target, errors, {.ratio = 10, .share = share});
+    };
+    EXPECT_EQ(removed({}, 1), 0u);
+    EXPECT_EQ(removed(std::vector<double>(50, 0.0), 1), 0u);
+    EXPECT_LE(removed({1e12, 1e12}, 1), 2u);
+    const std::vector<double> bad(1000, 1e12);
+    EXPECT_LE(double(removed(bad, 0.1)), 0.1 * double(c.mesh.knots.size()));
+    EXPECT_LE(removed(bad, 0.1), removed(bad, 1));
+    any += removed(bad, 0.1);
+  }
+  EXPECT_GT(any, 0u);
+}
+
 }  // namespace
-}  // namespace knotreel::track
+}  // namespace knotreel::knots

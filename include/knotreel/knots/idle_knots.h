@@ -7,7 +7,7 @@
 #include "knotreel/knots/target.h"
 #include "knotreel/mesh/editable_mesh.h"
 
-namespace knotreel::track {
+namespace knotreel::knots {
 
 struct SwapOptions {
   double ratio = 40;    ///< a knot goes if the error that another one could mend is so many times its own
@@ -26,8 +26,8 @@ std::vector<double> sorted_face_errors(const mesh::EditableMesh& mesh, std::span
 /// @param face_errors the largest first.
 /// @param surplus     knots that go in any case, the idlest ones.
 /// @return the number of knots removed.
-std::size_t remove_idle_knots(mesh::EditableMesh& mesh, const knots::Target& target,
+std::size_t remove_idle_knots(mesh::EditableMesh& mesh, const Target& target,
                               std::span<const double> face_errors, const SwapOptions& options = {},
                               std::size_t surplus = 0);
 
-}  // namespace knotreel::track
+}  // namespace knotreel::knots
