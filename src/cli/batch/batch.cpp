@@ -55,6 +55,12 @@ void check_lot(const std::vector<batch::Item>& items, const std::string& list, c
   check_paths(inputs, outputs);
 }
 
+/// The manifest may have standard output for itself.
+batch::Telling telling_of(const Arguments& arguments) {
+  if (arguments.manifest == "-") return batch::Telling::kNothing;
+  return arguments.verbose ? batch::Telling::kItems : batch::Telling::kSum;
+}
+
 void run_batch(const Arguments& arguments) {
   effective_options(arguments.options, 1);  // wrong ones are told of now
   batch::Places places = arguments.places;
@@ -67,16 +73,13 @@ void run_batch(const Arguments& arguments) {
                                ? (std::filesystem::path(arguments.places.output) / "manifest.jsonl").string()
                                : arguments.manifest;
   check_lot(lot.items, places.input, path);
-  const bool piped = path == "-";
-  if (piped && arguments.resume) {
+  if (path == "-" && arguments.resume) {
     throw Error(ErrorKind::kInvalidArgument, "--resume needs a manifest that is a file");
   }
   make_output_folder(arguments.places.output);
   if (arguments.resume) lot.before = batch::read_manifest(path);
   batch::Manifest manifest(path, arguments.resume);
-  batch::Progress progress(lot.items.size(), piped               ? batch::Telling::kNothing
-                                             : arguments.verbose ? batch::Telling::kItems
-                                                                 : batch::Telling::kSum);
+  batch::Progress progress(lot.items.size(), telling_of(arguments));
   const double alone_above = 1e6 * arguments.alone_above;
   VideoRun run = arguments.clips;
   run.options = arguments.options;
