@@ -24,15 +24,20 @@ using Clock = std::chrono::steady_clock;
 constexpr int kGraph = 2;
 constexpr std::chrono::milliseconds kPatience{100};
 
+/// At the end of a scope, whether or not by an exception.
+struct OpenAtEnd {
+  std::latch& latch;
+  ~OpenAtEnd() { latch.count_down(); }
+};
+
 /// That the system allows for so many threads besides this one, all at once.
 void check_threads(int count) {
   std::latch done(1);
-  std::vector<std::jthread> threads;
+  std::vector<std::jthread> threads;  // joined when they are let go
+  const OpenAtEnd end{done};
   try {
     for (int i = 0; i < count; ++i) threads.emplace_back([&] { done.wait(); });
-    done.count_down();
   } catch (const std::system_error& e) {
-    done.count_down();
     throw Error(ErrorKind::kInternal, "cannot make " + std::to_string(count) +
                                           " more threads: " + e.code().message() +
                                           "; allow for more (ulimit -u), or use fewer (--threads)");

@@ -41,11 +41,12 @@ void warn_of(const std::string& path, const std::vector<std::string>& messages) 
   for (const std::string& message : messages) warn("'" + path + "': " + message);
 }
 
-void warn_of_unused(const CLI::App& command, const std::string& group, const std::string& why) {
+std::vector<std::string> options_given(const CLI::App& command, const std::string& group) {
+  std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
-    if (option->get_group() == group && option->count() > 0)
-      warn(option->get_name() + " is not used: " + why);
+    if (option->get_group() == group && option->count() > 0) names.push_back(option->get_name());
   }
+  return names;
 }
 
 void write_text(const std::string& path, const std::string& text) {

@@ -37,9 +37,8 @@ void warn(const std::string& message);
 /// The same for each of these, with the name of the file that they are about.
 void warn_of(const std::string& path, const std::vector<std::string>& messages);
 
-/// Warns of every option of a group of the help that was given but is without effect: "--trace is not used:
-/// WHY".
-void warn_of_unused(const CLI::App& command, const std::string& group, const std::string& why);
+/// The names of the options of a group of the help that were given.
+std::vector<std::string> options_given(const CLI::App& command, const std::string& group);
 
 /// "knotreel 0.1.0 (OpenCV ..., ...)".
 std::string version_text();

@@ -37,9 +37,8 @@ Exit codes: 0 done, 2 wrong usage, 3 input unreadable or corrupt, 4 output canno
 
 void run(int argc, char** argv) {
   CLI::App program(
-      "Turns videos and pictures into smooth vector graphics (TCB-spline surfaces), and those into videos "
-      "and "
-      "pictures of any size.",
+      "Turns videos and pictures into smooth vector graphics (TCB-spline surfaces), and those into\n"
+      "videos and pictures of any size.",
       "knotreel");
   program.footer(kFooter);
   program.set_version_flag("--version", [] { return cli::version_text(); });

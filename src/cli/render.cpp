@@ -103,9 +103,7 @@ void render_picture(const Arguments& arguments) {
 void check_kind(const CLI::App& command, bool video) {
   if (video && command.count("--frame") > 0) refuse("--frame is for one picture; use --frames for a video");
   if (video) return;
-  for (const CLI::Option* option : command.get_options()) {
-    if (option->get_group() != kVideoGroup || option->count() == 0) continue;
-    const std::string name = option->get_name();
+  for (const std::string& name : options_given(command, kVideoGroup)) {
     refuse(name + " is for videos and numbered pictures" +
            (name == "--frames" ? "; use --frame for one picture" : ", not for one picture"));
   }

@@ -175,7 +175,8 @@ void vectorize(const CLI::App& command, const Arguments& arguments) {
     run.threads = arguments.threads;
     vectorize_video(std::move(run));
   } else {
-    warn_of_unused(command, kVideoGroup, "'" + arguments.input + "' is one picture");
+    for (const std::string& name : options_given(command, kVideoGroup))
+      warn(name + " is not used: '" + arguments.input + "' is one picture");
     vectorize_picture(arguments);
   }
 }
