@@ -19,6 +19,7 @@
 #include "knotreel/mesh/triangulate.h"
 #include "knotreel/param/parametrized_image.h"
 #include "knotreel/raster/edge_softness.h"
+#include "vectorize/check_options.h"
 #include "vectorize/feature_budget.h"
 #include "vectorize/first_knots.h"
 #include "vectorize/half_rows.h"
@@ -583,35 +584,20 @@ class Run {
   document::FrameModel model_;
 };
 
-void check(const image::Image& picture, const Options& options) {
+void check_picture(const image::Image& picture) {
   const auto refuse = [](const char* what) { throw Error(ErrorKind::kInvalidArgument, what); };
   if (picture.width < 1 || picture.height < 1) refuse("cannot vectorize a picture without pixels");
   const auto is_number = [](float sample) { return std::isfinite(sample); };
   if (!std::all_of(picture.samples.begin(), picture.samples.end(), is_number))
     refuse("cannot vectorize a picture with samples that are not finite");
-  if (options.degree < 1 || options.degree > spline::kMaxDegree) refuse("the degree must be 1, 2 or 3");
-  if (options.rounds < 1) refuse("at least one round is needed");
-  if (!(options.mec >= 0) || !(options.meg >= 0)) refuse("error bounds cannot be negative");
-  if (!(options.feature_share >= 0 && options.feature_share <= 1))
-    refuse("the share of features must be 0 to 1");
-  if (!(options.segment_knot_spacing > 0)) refuse("knots of feature segments must be some way apart");
-  if (options.descent_steps < 0) refuse("the steps of the descent cannot be negative");
-  if (options.optimise.rounds < 0 || options.optimise.steps < 0)
-    refuse("the rounds and steps of optimised knots cannot be negative");
-  if (!(options.colour.ridge > 0) || !(options.geometry.ridge > 0))
-    refuse("the ridge of a fit must be above zero");
-  if (!(options.colour.step >= 0)) refuse("the step of colours cannot be negative");
-  if (options.knot_bits < document::kMinKnotBits || options.knot_bits > document::kMaxKnotBits)
-    refuse("the knot bits of a document are 0 to 14");
-  if (!(options.displacement_step >= 1.0 / 4096 && options.displacement_step <= 15))
-    refuse("the displacement step of a document is 1/4096 to 15 pixels");
 }
 
 }  // namespace
 
 Vectorization vectorize_picture(const image::Image& picture, const Options& options,
                                 const Observer& observer) {
-  check(picture, options);
+  check_picture(picture);
+  check_options(options);
   return Run(picture, options, observer).run();
 }
 

@@ -1,0 +1,29 @@
+#include "vectorize/check_options.h"
+
+#include "knotreel/base/error.h"
+#include "knotreel/document/limits.h"
+#include "knotreel/spline/space.h"
+
+namespace knotreel::vectorize {
+
+void check_options(const Options& options) {
+  const auto refuse = [](const char* what) { throw Error(ErrorKind::kInvalidArgument, what); };
+  if (options.degree < 1 || options.degree > spline::kMaxDegree) refuse("the degree must be 1, 2 or 3");
+  if (options.rounds < 1) refuse("at least one round is needed");
+  if (!(options.mec >= 0) || !(options.meg >= 0)) refuse("error bounds cannot be negative");
+  if (!(options.feature_share >= 0 && options.feature_share <= 1))
+    refuse("the share of features must be 0 to 1");
+  if (!(options.segment_knot_spacing > 0)) refuse("knots of feature segments must be some way apart");
+  if (options.descent_steps < 0) refuse("the steps of the descent cannot be negative");
+  if (options.optimise.rounds < 0 || options.optimise.steps < 0)
+    refuse("the rounds and steps of optimised knots cannot be negative");
+  if (!(options.colour.ridge > 0) || !(options.geometry.ridge > 0))
+    refuse("the ridge of a fit must be above zero");
+  if (!(options.colour.step >= 0)) refuse("the step of colours cannot be negative");
+  if (options.knot_bits < document::kMinKnotBits || options.knot_bits > document::kMaxKnotBits)
+    refuse("the knot bits of a document are 0 to 14");
+  if (!(options.displacement_step >= 1.0 / 4096 && options.displacement_step <= 15))
+    refuse("the displacement step of a document is 1/4096 to 15 pixels");
+}
+
+}  // namespace knotreel::vectorize

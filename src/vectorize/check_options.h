@@ -1,0 +1,10 @@
+#pragma once
+
+#include "knotreel/vectorize/options.h"
+
+namespace knotreel::vectorize {
+
+/// @throws Error{kInvalidArgument} telling the first that is out of range.
+void check_options(const Options& options);
+
+}  // namespace knotreel::vectorize
