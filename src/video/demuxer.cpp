@@ -3,6 +3,7 @@
 #include <cstring>
 #include <filesystem>
 
+#include "file_end.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
 
@@ -56,7 +57,8 @@ bool reads_pictures(const AVInputFormat& format) {
 }
 
 Demuxer::Demuxer(const std::string& input, const ReadOptions& options)
-    : cannot_read_(knotreel::cannot_read(input, "video")),
+    : input_(input),
+      cannot_read_(knotreel::cannot_read(input, "video")),
       name_(input == "-" ? "standard input" : "'" + input + "'"),
       copy_(options.copy_streams) {
   check_file(input, cannot_read_);
@@ -121,6 +123,10 @@ int Demuxer::other_videos() const {
 bool Demuxer::ends_in_a_frame() const {
   return std::string_view(format_->iformat->name) == "yuv4mpegpipe" && packets_end_ > 0 &&
          avio_tell(format_->pb) > packets_end_;
+}
+
+bool Demuxer::lacks_its_end() const {
+  return input_ != "-" && knotreel::video::lacks_its_end(input_, format_->iformat->name);
 }
 
 PacketPtr Demuxer::read(std::string& why) {

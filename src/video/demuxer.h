@@ -27,6 +27,9 @@ class Demuxer {
   /// @param why  set to what ended the file early; empty otherwise.
   PacketPtr read(std::string& why);
 
+  /// Whether the file is shorter than it tells, which read() does not find.
+  bool lacks_its_end() const;
+
   /// "cannot read video 'x': " or the same for standard input.
   const std::string& cannot_read() const { return cannot_read_; }
 
@@ -39,7 +42,7 @@ class Demuxer {
   void discard_others();
   bool ends_in_a_frame() const;
 
-  std::string cannot_read_, name_;
+  std::string input_, cannot_read_, name_;
   std::unique_ptr<AVFormatContext, Closer> format_;
   int video_ = -1;
   std::int64_t packets_end_ = 0;  ///< of those read so far, bytes

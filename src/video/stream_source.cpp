@@ -220,15 +220,22 @@ std::int64_t StreamSource::last_duration(const AVFrame& frame) const {
   return told > usual / 4 && told < usual * 4 ? told : usual;
 }
 
-/// Most demuxers take a file that is cut short for one that ends there.
+/// What is not there of what the input tells of its own length; empty if nothing is missed.
+std::string StreamSource::what_is_missing() const {
+  const bool guessed = demuxer_.format()->duration_estimation_method == AVFMT_DURATION_FROM_BITRATE;
+  if (info_.timestamps && !guessed) {
+    const double tick = info_.time_base.value();
+    const double missing = told_end(*demuxer_.video()) - (double(last_pts_) + double(last_duration_)) * tick;
+    if (missing >= std::max(0.2, 3 * double(last_duration_) * tick))
+      return "it tells of " + std::to_string(missing) + " s more";
+  }
+  return demuxer_.lacks_its_end() ? "the end of the file is missing" : "";
+}
+
 void StreamSource::check_end() {
-  const double end = told_end(*demuxer_.video());
-  if (!info_.timestamps || demuxer_.format()->duration_estimation_method == AVFMT_DURATION_FROM_BITRATE)
-    return;
-  const double tick = info_.time_base.value();
-  const double missing = end - (double(last_pts_) + double(last_duration_)) * tick;
-  if (missing < std::max(0.2, 3 * double(last_duration_) * tick) || cut_short_) return;
-  const std::string why = "it tells of " + std::to_string(missing) + " s more";
+  if (cut_short_) return;
+  const std::string why = what_is_missing();
+  if (why.empty()) return;
   if (strict_) throw Error(ErrorKind::kInput, demuxer_.cannot_read() + why);
   warnings_.add("the input ends early: " + why);
 }

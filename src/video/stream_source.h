@@ -38,6 +38,7 @@ class StreamSource : public Source {
   std::int64_t duration_of(const AVFrame& frame) const;
   std::int64_t last_duration(const AVFrame& frame) const;
   void look_ahead();
+  std::string what_is_missing() const;
   void check_end();
 
   Demuxer demuxer_;

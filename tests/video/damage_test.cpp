@@ -67,6 +67,43 @@ TEST(Damage, YuvCutInsideAFrameIsTold) {
   }
 }
 
+class CutAtTheEnd : public testing::TestWithParam<std::pair<const char*, const char*>> {};
+
+/// Less than a frame is missing, or a few: the times do not tell.
+TEST_P(CutAtTheEnd, IsTold) {
+  const TempDir dir;
+  const auto [name, codec] = GetParam();
+  write_clip(dir / name, moving_pattern(64, 48, 3, 30), with_codec(codec));
+  ReadOptions strict;
+  strict.strict = true;
+  EXPECT_TRUE(read_clip(dir / name, strict).warnings.empty());
+  const std::string bytes = read_text(dir / name);
+  for (const std::size_t missing : {std::size_t(1), std::size_t(7), bytes.size() / 30, bytes.size() / 12}) {
+    const std::string cut = dir / ("cut" + std::string(name));
+    write_text(cut, bytes.substr(0, bytes.size() - missing));
+    EXPECT_FALSE(read_clip(cut).warnings.empty()) << missing;
+    EXPECT_EQ(kind_of([&] { read_clip(cut, strict); }), ErrorKind::kInput) << missing;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Containers, CutAtTheEnd,
+                         testing::Values(std::pair("a.mkv", "ffv1"), std::pair("b.mkv", "h264"),
+                                         std::pair("a.webm", "vp9"), std::pair("a.ogv", ""),
+                                         std::pair("a.gif", ""), std::pair("a.apng", ""),
+                                         std::pair("a.mjpeg", "")));
+
+/// Where whole packets are missing nothing tells of it.
+TEST(Damage, TransportStreamsCutInsideAPacketAreTold) {
+  const TempDir dir;
+  write_clip(dir / "a.ts", moving_pattern(64, 48, 3, 30), with_codec("h264"));
+  EXPECT_TRUE(read_clip(dir / "a.ts").warnings.empty());
+  const std::string bytes = read_text(dir / "a.ts");
+  for (const std::size_t missing : {1, 100, 189}) {
+    write_text(dir / "b.ts", bytes.substr(0, bytes.size() - missing));
+    EXPECT_FALSE(read_clip(dir / "b.ts").warnings.empty()) << missing;
+  }
+}
+
 TEST(Damage, IsCountedAndStrictlyAnError) {
   const TempDir dir;
   write_clip(dir / "a.mp4", moving_pattern(320, 240, 3, 20), with_codec("h264"));
