@@ -30,13 +30,16 @@ struct Band {
   std::vector<float> samples;
 };
 
+/// What comes through a pipe can be read once.
+bool is_named_pipe(const std::filesystem::path& path) {
+  std::error_code ignored;
+  return std::filesystem::is_fifo(path, ignored);
+}
+
 }  // namespace
 
 bool is_picture(const std::filesystem::path& path) {
-  std::error_code ignored;
-  const auto kind = std::filesystem::status(path, ignored).type();
-  // What comes through a pipe can be read once.
-  if (path == "-" || kind == std::filesystem::file_type::fifo) return true;
+  if (path == "-" || is_named_pipe(path)) return true;
   const std::vector<std::byte> start = read_start(path, video::kPictureStart);
   if (image::detect_format(start)) return video::holds_one_picture(start, path.string());
   const std::string extension = path.extension().string();
@@ -44,8 +47,9 @@ bool is_picture(const std::filesystem::path& path) {
 }
 
 document::Reader open_document(const std::filesystem::path& path) {
-  if (path != "-") return document::Reader::open(path);
-  return document::Reader::open(read_whole(path, kMaxPipedBytes, "document"), "standard input");
+  if (path != "-" && !is_named_pipe(path)) return document::Reader::open(path);
+  const std::string name = path == "-" ? "standard input" : path.string();
+  return document::Reader::open(read_whole(path, kMaxPipedBytes, "document"), name);
 }
 
 Turn turn_of(const document::Reader& reader) {

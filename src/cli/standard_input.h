@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <string>
 #include <vector>
 
 namespace knotreel::cli {
@@ -9,5 +10,9 @@ namespace knotreel::cli {
 /// many as come before its writer ends. Nothing of other kinds of input.
 /// @throws Error{kInterrupted} after a signal: writers may take their time.
 std::vector<std::byte> peek_standard_input(std::size_t count);
+
+/// Makes a named pipe standard input, which can be looked at before it is read.
+/// @return "-"; of all else the path that was given.
+std::string pipe_as_standard_input(const std::string& path);
 
 }  // namespace knotreel::cli

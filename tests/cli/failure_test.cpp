@@ -87,13 +87,23 @@ TEST(CliInput, PicturesOfDifferentSizeAreExit2) {
   expect_failure(test::knotreel({"compare", (dir / "a.png").string(), (dir / "b.png").string()}), 2);
 }
 
-TEST(CliInput, PicturesComeThroughPipes) {
+TEST(CliInput, PicturesAndDocumentsComeThroughNamedPipes) {
   const Sample sample;
   const std::string pipe = sample.path("pipe");
   ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
-  std::thread writer([&] { write_text(pipe, read_text(sample.picture)); });
-  expect_success(test::knotreel({"compare", pipe, sample.picture}));
-  writer.join();
+  const auto through_pipe = [&](const std::string& input, const std::vector<std::string>& command) {
+    auto writer = std::async(std::launch::async, [&] { write_text(pipe, read_text(input)); });
+    const auto result = test::knotreel(command);
+    ::close(::open(pipe.c_str(), O_RDONLY | O_NONBLOCK));  // a program that never came to it
+    expect_success(result);
+    return result.out;
+  };
+  through_pipe(sample.picture, {"compare", pipe, sample.picture});
+  EXPECT_NE(through_pipe(sample.picture, {"info", pipe}).find("PNG"), std::string::npos);
+  EXPECT_NE(through_pipe(sample.document, {"info", pipe}).find("document"), std::string::npos);
+  through_pipe(sample.document, {"render", pipe, "-o", sample.path("a.png")});
+  expect_success(test::knotreel({"render", sample.document, "-o", sample.path("b.png")}));
+  EXPECT_TRUE(read_text(sample.path("a.png")) == read_text(sample.path("b.png")));
 }
 
 TEST(CliInput, OptionsWithoutEffectAreTold) {

@@ -7,6 +7,7 @@
 #include "cli/info/facts.h"
 #include "cli/pictures.h"
 #include "cli/printable.h"
+#include "cli/standard_input.h"
 #include "cli/video_run.h"
 #include "knotreel/image/read_image.h"
 
@@ -96,7 +97,7 @@ void add_info_command(CLI::App& program) {
       "control points are sums over the frames. A truncated document is read up to its last whole frame. Of\n"
       "a video the first frame is decoded; number of frames and length are as the file tells.\n"
       "Examples:\n  knotreel info photo.tcb\n  knotreel info clip.tcb --json\n  knotreel info clip.mp4");
-  command->callback([arguments] { print_info(arguments->input, arguments->json); });
+  command->callback([arguments] { print_info(pipe_as_standard_input(arguments->input), arguments->json); });
 }
 
 }  // namespace knotreel::cli
