@@ -1,11 +1,11 @@
 #include <cstdint>
-#include <opencv2/imgcodecs.hpp>
 
 #include "codec.h"
+#include "imgcodecs.h"
 #include "probe.h"
 #include "quiet.h"
 
-// The only file of this module that knows OpenCV; what is not here:
+// The only file of this module that knows OpenCV, but for its loading; what is not here:
 // docs/decisions/0002-png-and-pnm-without-opencv.md.
 namespace knotreel::image {
 namespace {
@@ -122,9 +122,12 @@ class OpenCvWriter final : public CheckedRowWriter {
     const auto fail = [&](const std::string& why) {
       throw Error(ErrorKind::kOutput, "cannot write " + file().name() + ": " + why);
     };
+    std::string why;
+    const Imgcodecs* codecs = imgcodecs(why);
+    if (codecs == nullptr) fail("the encoder cannot be loaded (" + why + ")");
     try {
       const QuietStandardError quiet;
-      if (!cv::imencode(extension, mat_, encoded, options)) fail("the encoder refused the picture");
+      if (!codecs->encode(extension, mat_, encoded, options)) fail("the encoder refused the picture");
     } catch (const cv::Exception& e) {
       fail("the encoder refused the picture (" + e.err + ")");
     }
@@ -142,12 +145,15 @@ Decoded decode_with_opencv(std::span<const std::byte> file, ImageFormat format) 
   // IMREAD_UNCHANGED keeps alpha but ignores the EXIF orientation; a JPEG has the latter and no alpha.
   const int flags = format == ImageFormat::kJpeg ? int{cv::IMREAD_ANYCOLOR} | int{cv::IMREAD_ANYDEPTH}
                                                  : int{cv::IMREAD_UNCHANGED};
+  std::string why;
+  const Imgcodecs* codecs = imgcodecs(why);
+  if (codecs == nullptr) throw DecodeError("the decoder cannot be loaded (" + why + ")");
   try {
     cv::Mat mat;
     {
       const QuietStandardError quiet;
       const cv::Mat bytes(1, static_cast<int>(file.size()), CV_8U, const_cast<std::byte*>(file.data()));
-      mat = cv::imdecode(bytes, flags);
+      mat = codecs->decode(bytes, flags);
     }
     if (mat.empty()) throw DecodeError("the file is damaged or cut short");
     check_size(std::uint64_t(mat.cols), std::uint64_t(mat.rows));

@@ -7,6 +7,13 @@ using test::expect_failure;
 using test::expect_success;
 using test::Sample;
 
+/// Codecs of pictures come with eighty libraries: see docs/decisions/0028-codecs-on-demand.md.
+TEST(Cli, CodecsOfPicturesAreNotLoadedForNothing) {
+  const auto loaded = test::run({"/usr/bin/env", "LD_TRACE_LOADED_OBJECTS=1", KNOTREEL_PROGRAM});
+  EXPECT_NE(loaded.out.find("libavcodec"), std::string::npos) << loaded.out << loaded.err;
+  EXPECT_EQ(loaded.out.find("imgcodecs"), std::string::npos);
+}
+
 TEST(Cli, HelpIsAnAnswerAndTellsTheExitCodes) {
   const auto result = test::knotreel({"--help"});
   expect_success(result);
