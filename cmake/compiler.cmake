@@ -34,7 +34,7 @@ if(KNOTREEL_WERROR)
 endif()
 if(KNOTREEL_SANITIZE)
   target_compile_options(knotreel_flags INTERFACE
-    -fsanitize=${KNOTREEL_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all -g)
+    -fsanitize=${KNOTREEL_SANITIZE} -fno-omit-frame-pointer -fno-sanitize-recover=all)
   target_link_options(knotreel_flags INTERFACE -fsanitize=${KNOTREEL_SANITIZE})
   target_compile_definitions(knotreel_flags INTERFACE KNOTREEL_CHECKED)
 endif()

@@ -14,7 +14,7 @@
 namespace knotreel::cli {
 namespace {
 
-struct Arguments {
+struct CompareArguments {
   std::string a;
   std::string b;
   std::uint64_t frame = 0;
@@ -24,7 +24,7 @@ struct Arguments {
   int threads = 0;
 };
 
-void compare_pictures(const Arguments& arguments) {
+void compare_pictures(const CompareArguments& arguments) {
   const ThreadCap cap(arguments.threads);
   const image::Image a = load_picture(arguments.a, arguments.frame);
   const image::Image b = load_picture(arguments.b, arguments.frame);
@@ -44,7 +44,7 @@ void compare_pictures(const Arguments& arguments) {
                        a.width, a.height, metrics.mec, metrics.rmse, psnr_text(metrics.psnr), metrics.ssim));
 }
 
-void compare(const Arguments& arguments) {
+void compare(const CompareArguments& arguments) {
   check_paths({arguments.a, arguments.b}, {{arguments.stats}});
   const bool videos = !arguments.one_frame && (has_frames(arguments.a) || has_frames(arguments.b));
   if (videos) {
@@ -55,7 +55,7 @@ void compare(const Arguments& arguments) {
   }
 }
 
-constexpr const char* kFooter = R"(
+constexpr const char* kCompareFooter = R"(
 Documents are drawn at their own size. Both must have the same size; grey is compared with
 colour as grey in all three channels. In JSON, a psnr of null means equal pictures.
 Videos, and documents with several frames, are compared frame by frame, A being the reference for what
@@ -70,7 +70,7 @@ Examples:
 void add_compare_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "compare", "Measure how far two pictures, videos or documents are apart: MEC, PSNR, SSIM");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<CompareArguments>();
   command->add_option("A", arguments->a, "Picture, video or document")->type_name("")->required();
   command->add_option("B", arguments->b, "Picture, video or document")->type_name("")->required();
   add_frame_option(*command, arguments->frame, "Only this frame of documents, counted from 0");
@@ -80,7 +80,7 @@ void add_compare_command(CLI::App& program) {
       ->type_name("FILE");
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_threads_option(*command, arguments->threads);
-  command->footer(kFooter);
+  command->footer(kCompareFooter);
   command->callback([arguments, command] {
     arguments->one_frame = command->count("--frame") > 0;
     compare(*arguments);

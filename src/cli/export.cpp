@@ -21,7 +21,7 @@ constexpr std::uint64_t kLargeSvgBytes = 20'000'000;
 constexpr double kPdfTolerance = 2;
 constexpr double kSvgTolerance = 8;
 
-struct Arguments {
+struct ExportArguments {
   std::string input;
   std::string output;
   std::string format;
@@ -34,7 +34,7 @@ struct Arguments {
 };
 
 /// "pdf" or "svg", from --format or the name of the output.
-std::string format_of(const Arguments& arguments) {
+std::string format_of(const ExportArguments& arguments) {
   if (!arguments.format.empty()) return arguments.format;
   std::string extension = std::filesystem::path(arguments.output).extension().string();
   for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
@@ -43,7 +43,7 @@ std::string format_of(const Arguments& arguments) {
               "export writes pdf and svg; name the output so or give --format: '" + arguments.output + "'");
 }
 
-void export_frame(const Arguments& arguments) {
+void export_frame(const ExportArguments& arguments) {
   check_paths({arguments.input}, {{arguments.output}});
   const ThreadCap cap(arguments.threads);
   const std::string format = format_of(arguments);
@@ -72,7 +72,7 @@ void export_frame(const Arguments& arguments) {
   }
 }
 
-constexpr const char* kFooter = R"(
+constexpr const char* kExportFooter = R"(
 PDF keeps the smooth shading; poppler and MuPDF were tried. SVG has no such shading: a picture becomes many
 small pieces, and at equal tolerance the file is about a hundred times as large.
 Examples:
@@ -85,7 +85,7 @@ Examples:
 void add_export_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "export", "Write a frame of a vector document as PDF or SVG, for other programs");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<ExportArguments>();
   command->add_option("FILE", arguments->input, "Vector document (.tcb); '-': standard input")
       ->type_name("")
       ->required();
@@ -120,7 +120,7 @@ void add_export_command(CLI::App& program) {
       ->check(CLI::IsMember({"pdf", "svg"}).description(""))
       ->type_name("NAME");
   add_threads_option(*command, arguments->threads);
-  command->footer(kFooter);
+  command->footer(kExportFooter);
   command->callback([arguments] { export_frame(*arguments); });
 }
 

@@ -15,7 +15,7 @@ namespace {
 constexpr std::uint64_t kMaxOutputPixels = std::uint64_t{1} << 32;
 constexpr std::uint64_t kMaxTurnedPixels = std::uint64_t{1} << 28;
 
-struct Arguments {
+struct RenderArguments {
   std::string input;
   std::string output;
   double scale = 1;
@@ -35,7 +35,7 @@ struct Arguments {
 }
 
 /// Size and crop, checked before anything is allocated for them.
-raster::RenderOptions render_options(const Arguments& arguments, const document::SequenceInfo& info,
+raster::RenderOptions render_options(const RenderArguments& arguments, const document::SequenceInfo& info,
                                      const Turn& turn) {
   const Size whole = output_size(arguments.scale, arguments.size, info.width, info.height, turn);
   raster::RenderOptions options;
@@ -69,7 +69,7 @@ void write_turned(const raster::Renderer& renderer, const Turn& turn, const imag
   writer.write(whole.samples, whole.height);
 }
 
-void render_picture(const Arguments& arguments) {
+void render_picture(const RenderArguments& arguments) {
   check_paths({arguments.input}, {{arguments.output}});
   const ThreadCap cap(arguments.threads);
   image::Background background;
@@ -109,7 +109,7 @@ void check_kind(const CLI::App& command, bool video) {
   }
 }
 
-void render(const CLI::App& command, const Arguments& arguments) {
+void render(const CLI::App& command, const RenderArguments& arguments) {
   const bool is_video = is_video_output(arguments.output, arguments.format);
   check_kind(command, is_video);
   if (!is_video) {
@@ -132,7 +132,7 @@ void render(const CLI::App& command, const Arguments& arguments) {
   render_video(video);
 }
 
-constexpr const char* kFooter = R"(
+constexpr const char* kRenderFooter = R"(
 Memory does not grow with the size of the output, except for TIFF, JPEG, WebP and BMP, and for frames of
 videos that players show turned. --size and --crop are of what is shown.
 If the output is a video (clip.mp4) or a pattern (frame_%04d.png), all frames are drawn, at their times.
@@ -148,7 +148,7 @@ Examples:
 void add_render_command(CLI::App& program) {
   CLI::App* command =
       program.add_subcommand("render", "Draw a vector document as a picture or a video of any size");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<RenderArguments>();
   command->add_option("FILE", arguments->input, "Vector document (.tcb); '-': standard input")
       ->type_name("")
       ->required();
@@ -187,7 +187,7 @@ void add_render_command(CLI::App& program) {
   command->add_flag("--no-antialias", arguments->aliased, "Leave the edges of features jagged");
   add_threads_option(*command, arguments->threads);
   add_render_video_options(*command, arguments->video);
-  command->footer(kFooter);
+  command->footer(kRenderFooter);
   command->callback([command, arguments] { render(*command, *arguments); });
 }
 

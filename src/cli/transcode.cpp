@@ -7,13 +7,13 @@
 namespace knotreel::cli {
 namespace {
 
-struct Arguments {
+struct TranscodeArguments {
   VideoRun run;
   VideoOutputOptions encoding;
   std::string format;
 };
 
-void transcode(Arguments& arguments) {
+void transcode(TranscodeArguments& arguments) {
   VideoRun& run = arguments.run;
   const bool nowhere = arguments.format == "null" || arguments.format == "hash";
   if (run.video.path.empty() && !nowhere) {
@@ -32,7 +32,7 @@ void transcode(Arguments& arguments) {
   check_stopped(summary);
 }
 
-void add_outputs(CLI::App& command, Arguments& arguments) {
+void add_outputs(CLI::App& command, TranscodeArguments& arguments) {
   VideoRun& run = arguments.run;
   command
       .add_option("-o,--output", run.video.path,
@@ -68,7 +68,7 @@ void add_outputs(CLI::App& command, Arguments& arguments) {
       ->type_name("DIR");
 }
 
-constexpr const char* kFooter = R"(
+constexpr const char* kTranscodeFooter = R"(
 Every picture becomes a vector model, made from that of the picture before, and is drawn again from what
 the document holds, at any size. Times, sound, subtitles and colour tags are kept. After Ctrl-C the outputs
 hold the frames done so far.
@@ -83,7 +83,7 @@ Examples:
 void add_transcode_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "transcode", "Turn a video into vector graphics and back into a video of any size");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<TranscodeArguments>();
   command
       ->add_option("VIDEO", arguments->run.input,
                    "Video, folder of pictures or pattern such as in_%04d.png; '-': standard\ninput")
@@ -97,7 +97,7 @@ void add_transcode_command(CLI::App& program) {
   add_tracking_options(*command, arguments->run.tracking);
   command->option_defaults()->group("Options");
   add_vectorize_options(*command, arguments->run.options, "2%");
-  command->footer(kFooter);
+  command->footer(kTranscodeFooter);
   command->callback([arguments] { transcode(*arguments); });
 }
 

@@ -26,7 +26,7 @@
 namespace knotreel::cli {
 namespace {
 
-struct Arguments {
+struct VectorizeArguments {
   std::string input;
   std::string output;
   VectorizeOptions options;
@@ -73,7 +73,7 @@ vectorize::Vectorization run(const image::Image& image, const vectorize::Options
   });
 }
 
-std::vector<Output> outputs_of(const Arguments& arguments) {
+std::vector<Output> outputs_of(const VectorizeArguments& arguments) {
   std::vector<Output> outputs{{arguments.output}, {arguments.stats}};
   if (!arguments.debug_dir.empty()) {
     outputs.push_back({(std::filesystem::path(arguments.debug_dir) / "[0-9][0-9]-*.png").string(), true});
@@ -84,7 +84,7 @@ std::vector<Output> outputs_of(const Arguments& arguments) {
 /// Opened before the work, since it is better to fail then than after it; and once, since the reader of a
 /// pipe takes the first end for the only one.
 struct OutputFiles {
-  explicit OutputFiles(const Arguments& arguments) : document(arguments.output) {
+  explicit OutputFiles(const VectorizeArguments& arguments) : document(arguments.output) {
     if (!arguments.stats.empty()) stats.emplace(arguments.stats);
   }
   OutputFile document;
@@ -92,7 +92,7 @@ struct OutputFiles {
 };
 
 /// All that docs/stats.md promises.
-nlohmann::ordered_json stats_json(const Arguments& arguments, const image::Image& image,
+nlohmann::ordered_json stats_json(const VectorizeArguments& arguments, const image::Image& image,
                                   const vectorize::Options& options, const vectorize::Report& report,
                                   const StillDocument& document, const image::ImageMetrics& metrics) {
   const auto& space = *document.model.space;
@@ -118,7 +118,7 @@ nlohmann::ordered_json stats_json(const Arguments& arguments, const image::Image
   return stats;
 }
 
-void vectorize_picture(const Arguments& arguments) {
+void vectorize_picture(const VectorizeArguments& arguments) {
   check_paths({arguments.input}, outputs_of(arguments));
   const ThreadCap cap(arguments.threads);
   StageTimer timer;
@@ -160,7 +160,7 @@ void vectorize_picture(const Arguments& arguments) {
   }
 }
 
-void vectorize(const CLI::App& command, const Arguments& arguments) {
+void vectorize(const CLI::App& command, const VectorizeArguments& arguments) {
   const bool split = !arguments.video.split_folder.empty();
   if (arguments.output.empty() && !split) {
     throw Error(ErrorKind::kInvalidArgument, "--output is required (see knotreel vectorize --help)");
@@ -181,7 +181,7 @@ void vectorize(const CLI::App& command, const Arguments& arguments) {
   }
 }
 
-constexpr const char* kFooter = R"(
+constexpr const char* kVectorizeFooter = R"(
 Features (sharp edges) become curves at which the colours may jump; between them the surface is smooth.
 Knots go where the picture needs them, first at once and then in rounds. The figures printed are those
 of the document as stored. The same picture and options give the same file.
@@ -198,7 +198,7 @@ Examples:
 
 void add_vectorize_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("vectorize", "Turn a picture or a video into a vector document");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<VectorizeArguments>();
   command->add_option("INPUT", arguments->input, "Picture or video to read; '-': standard input")
       ->type_name("")
       ->required();
@@ -217,7 +217,7 @@ void add_vectorize_command(CLI::App& program) {
       ->type_name("DIR");
   add_threads_option(*command, arguments->threads);
   add_vectorize_video_options(*command, arguments->video);
-  command->footer(kFooter);
+  command->footer(kVectorizeFooter);
   command->callback([command, arguments] { vectorize(*command, *arguments); });
 }
 

@@ -15,13 +15,13 @@ using test::expect_success;
 using test::knotreel;
 using test::read_text;
 
-constexpr int kFrames = 6;
+constexpr int kTraceFrames = 6;
 constexpr double kRounding = 0.01;  // microseconds
 
 /// A folder with a small video, and the trace of a run.
 class CliTrace : public testing::Test {
  protected:
-  CliTrace() { test::write_clip(clip_, kFrames); }
+  CliTrace() { test::write_clip(clip_, kTraceFrames); }
 
   std::string path(const std::string& name) const { return (dir_ / name).string(); }
   json events() const { return json::parse(read_text(trace_))["traceEvents"]; }
@@ -71,7 +71,7 @@ TEST_F(CliTrace, EveryStageOfEveryFrameIsOneEvent) {
     EXPECT_GE(event["dur"].get<double>(), 0);
     EXPECT_EQ(event["args"]["start"], stats["frames"][std::size_t(frame)]["start"]);
   }
-  for (int frame = 0; frame < kFrames; ++frame) {
+  for (int frame = 0; frame < kTraceFrames; ++frame) {
     for (const char* stage : {"decode", "analyse", "model", "documents", "rasterize", "encode"}) {
       EXPECT_EQ((count[{stage, frame}]), 1) << stage << ' ' << frame;
     }
@@ -104,7 +104,7 @@ TEST_F(CliTrace, PartsOfTheModelLieWithinIt) {
       return model["name"] == "model" && within(event, model);
     })) << event;
   }
-  EXPECT_GT(parts, std::size_t{kFrames});
+  EXPECT_GT(parts, std::size_t{kTraceFrames});
 }
 
 TEST_F(CliTrace, VectorizeHasOneToo) {

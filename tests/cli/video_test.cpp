@@ -17,12 +17,12 @@ using test::expect_success;
 using test::knotreel;
 using test::read_text;
 
-constexpr int kFrames = 6;
+constexpr int kVideoFrames = 6;
 
 /// A folder with a small video.
 class CliVideo : public testing::Test {
  protected:
-  CliVideo() : times_(test::write_clip(clip_, kFrames)) {}
+  CliVideo() : times_(test::write_clip(clip_, kVideoFrames)) {}
 
   std::string path(const std::string& name) const { return (dir_ / name).string(); }
 
@@ -159,7 +159,7 @@ TEST_F(CliVideo, RenderStatsTellOfEveryFrame) {
   expect_success(knotreel({"render", document_, "-o", path("o.mkv"), "--stats", path("s.json")}));
   const json stats = json::parse(read_text(path("s.json")));
   EXPECT_EQ(stats["width"], 64);
-  EXPECT_EQ(stats["frame_count"], kFrames);
+  EXPECT_EQ(stats["frame_count"], kVideoFrames);
   ASSERT_EQ(stats["frames"].size(), times_.size());
   for (std::size_t i = 0; i < times_.size(); ++i) {
     EXPECT_EQ(stats["frames"][i]["pts"], times_[i]);
@@ -171,7 +171,7 @@ TEST_F(CliVideo, AVideoMayComeThroughAPipe) {
   const auto result =
       knotreel({"vectorize", "-", "-o", document_, "--preset", "fast"}, {.input = read_text(clip_)});
   expect_success(result);
-  EXPECT_EQ(document::Reader::open(document_).frame_count(), std::size_t{kFrames});
+  EXPECT_EQ(document::Reader::open(document_).frame_count(), std::size_t{kVideoFrames});
   expect_failure(knotreel({"vectorize", "-", "-o", document_}, {.input = ""}), 3);
   expect_failure(knotreel({"vectorize", "-", "-o", document_}, {.input = "neither"}), 3);
 }
@@ -205,7 +205,7 @@ TEST_F(CliVideo, ASizeThatNoEncoderTakesIsNamed) {
 TEST_F(CliVideo, DebugPicturesHaveAFolderPerFrame) {
   expect_success(
       knotreel({"vectorize", clip_, "-o", document_, "--preset", "fast", "--debug-dir", path("stages")}));
-  for (int i = 1; i <= kFrames; ++i) {
+  for (int i = 1; i <= kVideoFrames; ++i) {
     const std::string folder = path("stages/frame_00000" + std::to_string(i));
     EXPECT_EQ(std::filesystem::exists(folder + "/05-knots.png"), i == 1) << i;
     for (const char* name : {"mesh", "fit", "error", "control-net"}) {
@@ -227,7 +227,7 @@ TEST_F(CliVideo, AFolderOfPicturesIsAVideo) {
 
 TEST_F(CliVideo, SplitWritesADocumentPerFrame) {
   expect_success(knotreel({"vectorize", clip_, "--split", path("split"), "--preset", "fast"}));
-  for (int i = 1; i <= kFrames; ++i) {
+  for (int i = 1; i <= kVideoFrames; ++i) {
     const std::string name = path("split/frame_00000" + std::to_string(i) + ".tcb");
     expect_success(knotreel({"render", name, "-o", path("one.png")}));
   }
@@ -237,9 +237,9 @@ TEST_F(CliVideo, StatsAndProgressTellOfEveryFrame) {
   expect_success(knotreel({"transcode", clip_, "-f", "null", "--preset", "fast", "--max-control-points",
                            "1500", "--stats", path("s.json"), "--progress", path("p.txt")}));
   const json stats = json::parse(read_text(path("s.json")));
-  EXPECT_EQ(stats["frame_count"], kFrames);
+  EXPECT_EQ(stats["frame_count"], kVideoFrames);
   EXPECT_EQ(stats["width"], 64);
-  ASSERT_EQ(stats["frames"].size(), std::size_t{kFrames});
+  ASSERT_EQ(stats["frames"].size(), std::size_t{kVideoFrames});
   for (std::size_t i = 0; i < times_.size(); ++i) {
     const json& row = stats["frames"][i];
     EXPECT_EQ(row["pts"], times_[i]);
@@ -279,13 +279,13 @@ TEST_F(CliVideo, InfoTellsOfSequences) {
   expect_success(
       knotreel({"vectorize", clip_, "-o", document_, "--preset", "fast", "--keyframe-interval", "4"}));
   const json info = json::parse(knotreel({"info", document_, "--json"}).out);
-  EXPECT_EQ(info["frame_count"], kFrames);
+  EXPECT_EQ(info["frame_count"], kVideoFrames);
   EXPECT_EQ(info["groups"], 2);
   EXPECT_EQ(info["frame_rate"], (json{25, 1}));
   // Every third frame lasts 80 ms, the others 40.
   EXPECT_NEAR(info["seconds"].get<double>(), 0.32, 1e-9);
   const json& knots = info["knots_per_frame"];
-  EXPECT_NEAR(knots["mean"].get<double>() * kFrames, info["knots"].get<double>(), 1e-6);
+  EXPECT_NEAR(knots["mean"].get<double>() * kVideoFrames, info["knots"].get<double>(), 1e-6);
   EXPECT_LE(knots["min"], info["frames"][0]["knots"]);
   EXPECT_GE(knots["max"], info["frames"][0]["knots"]);
   const auto text = knotreel({"info", document_});
@@ -377,7 +377,7 @@ TEST_F(CliVideo, CompareTellsOfEveryFrameAndOfFlicker) {
   const auto equal = knotreel({"compare", clip_, clip_, "--json"});
   expect_success(equal);
   const json same = json::parse(equal.out);
-  EXPECT_EQ(same["frames"], kFrames);
+  EXPECT_EQ(same["frames"], kVideoFrames);
   EXPECT_TRUE(same["psnr"].is_null());
   EXPECT_EQ(same["flicker"], 0);
   vectorize();
@@ -385,7 +385,7 @@ TEST_F(CliVideo, CompareTellsOfEveryFrameAndOfFlicker) {
   expect_success(result);
   EXPECT_GT(json::parse(result.out)["psnr"], 20);
   const json stats = json::parse(read_text(path("s.json")));
-  ASSERT_EQ(stats["rows"].size(), std::size_t{kFrames});
+  ASSERT_EQ(stats["rows"].size(), std::size_t{kVideoFrames});
   EXPECT_TRUE(stats["rows"][0]["flicker"].is_null());
   EXPECT_GT(stats["rows"][1]["flicker"], 0);
 }

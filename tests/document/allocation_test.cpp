@@ -64,7 +64,7 @@ using document::FrameModel;
 using document::Reader;
 using Bytes = std::vector<std::byte>;
 
-constexpr std::uint64_t kSeed = 99;
+constexpr std::uint64_t kAllocationSeed = 99;
 
 /// Peak of the memory taken while opening and reading, beyond what was there before.
 std::size_t peak_of(const Bytes& bytes) {
@@ -86,8 +86,8 @@ std::size_t bound(std::size_t file_bytes) {
 TEST(Allocation, StaysBelowTheBoundForTheDensestDocuments) {
   // One colour everywhere and no displacement: nothing but connectivity, the most memory per byte.
   for (int degree = 1; degree <= 3; ++degree) {
-    FrameModel model =
-        testing::random_model(testing::random_mesh(2000, 1500, 10000, 0, kSeed), degree, 4, kSeed);
+    FrameModel model = testing::random_model(testing::random_mesh(2000, 1500, 10000, 0, kAllocationSeed),
+                                             degree, 4, kAllocationSeed);
     for (Vec2& d : model.displacement) d = {};
     for (double& c : model.colour) c = 0;
     const Bytes bytes = testing::write_document({model});
@@ -101,10 +101,10 @@ TEST(Allocation, StaysBelowTheBoundForTheDensestDocuments) {
 
 TEST(Allocation, StaysBelowTheBoundForDamagedDocuments) {
   std::vector<FrameModel> frames{
-      testing::random_model(testing::random_mesh(160, 120, 100, 2, kSeed), 2, 3, kSeed)};
-  frames.push_back(testing::successor(frames.back(), 3, kSeed));
+      testing::random_model(testing::random_mesh(160, 120, 100, 2, kAllocationSeed), 2, 3, kAllocationSeed)};
+  frames.push_back(testing::successor(frames.back(), 3, kAllocationSeed));
   const Bytes good = testing::write_document(frames);
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kAllocationSeed);
   for (int i = 0; i < 3000; ++i) {
     Bytes bad = good;
     for (std::uint64_t flips = 1 + random() % 3; flips > 0; --flips) {
@@ -119,7 +119,7 @@ TEST(Allocation, HugeClaimsCostNothing) {
   // A frame of a few bytes that claims as many knots, segments, link codes and stream symbols as fit in 64
   // bits.
   const Bytes whole = testing::write_document(
-      {testing::random_model(testing::random_mesh(64, 48, 12, 0, kSeed), 2, 3, kSeed)});
+      {testing::random_model(testing::random_mesh(64, 48, 12, 0, kAllocationSeed), 2, 3, kAllocationSeed)});
   for (const std::uint64_t claim : {1ull << 20, 1ull << 31, 1ull << 32, 1ull << 40, ~0ull}) {
     for (std::size_t place = 0; place < 12; ++place) {
       document::ByteWriter frame;

@@ -9,12 +9,12 @@
 namespace knotreel::document {
 namespace {
 
-constexpr std::uint64_t kSeed = 31;
+constexpr std::uint64_t kCodingSeed = 31;
 
 TEST(Coding, GivesBackEveryNumberUpToTheLimit) {
   std::vector<std::int64_t> values{
       0, 1, -1, 3, 4, -5, 6, 7, 8, (std::int64_t{1} << 60) + 12345, -((std::int64_t{1} << 61) - 1), 0};
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kCodingSeed);
   for (int i = 0; i < 5000; ++i) {
     const auto size = static_cast<std::int64_t>(random() >> (4 + random() % 60));
     values.push_back(random() % 2 == 0 ? size : -size);
@@ -30,7 +30,7 @@ TEST(Coding, GivesBackEveryNumberUpToTheLimit) {
 }
 
 TEST(Coding, AnyBitsOfAnyChanceComeBack) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kCodingSeed);
   for (int length = 0; length < 300; ++length) {
     for (const unsigned chance : {0u, 1u, 50u, 99u, 100u}) {
       std::vector<bool> bits;
@@ -91,7 +91,7 @@ struct PlainMixer {
 };
 
 TEST(Coding, MixedBitsAreThoseOfTheFormat) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kCodingSeed);
   std::array<BitModel, 6> models;
   Mixer<3> mixer;
   PlainMixer plain;
@@ -110,7 +110,7 @@ TEST(Coding, MixedBitsAreThoseOfTheFormat) {
 }
 
 TEST(Coding, AMixtureIsAsGoodAsTheBestOfItsModels) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kCodingSeed);
   std::vector<std::pair<bool, bool>> bits;  // what one model knows, the bit
   for (int i = 0; i < 20000; ++i) {
     const bool known = random() % 2 == 0;
@@ -140,7 +140,7 @@ TEST(Coding, AMixtureIsAsGoodAsTheBestOfItsModels) {
 }
 
 TEST(Coding, MixedNumbersComeBackWhateverTheyAre) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kCodingSeed);
   std::vector<std::int64_t> values;
   for (int i = 0; i < 5000; ++i) {
     const auto size = static_cast<std::int64_t>(random() >> (4 + random() % 60));

@@ -19,7 +19,7 @@ using document::FrameModel;
 using document::Reader;
 using Bytes = std::vector<std::byte>;
 
-constexpr std::uint64_t kSeed = 4711;
+constexpr std::uint64_t kCorruptionSeed = 4711;
 
 enum class Outcome { kRead, kRefused, kWrong };
 
@@ -42,18 +42,19 @@ Outcome try_document(Bytes bytes, std::string* message = nullptr) {
 }
 
 Bytes small_document() {
-  FrameModel model = testing::random_model(testing::random_mesh(64, 48, 12, 1, kSeed), 2, 2, kSeed);
+  FrameModel model =
+      testing::random_model(testing::random_mesh(64, 48, 12, 1, kCorruptionSeed), 2, 2, kCorruptionSeed);
   std::vector<FrameModel> frames{model};
-  frames.push_back(testing::successor(model, 0, kSeed));
-  frames.push_back(testing::successor(frames.back(), 2, kSeed));
+  frames.push_back(testing::successor(model, 0, kCorruptionSeed));
+  frames.push_back(testing::successor(frames.back(), 2, kCorruptionSeed));
   return testing::write_document(frames);
 }
 
 Bytes sequence(int knots, int degree) {
-  std::vector<FrameModel> frames{
-      testing::random_model(testing::random_mesh(160, 120, knots, 3, kSeed), degree, 3, kSeed)};
+  std::vector<FrameModel> frames{testing::random_model(
+      testing::random_mesh(160, 120, knots, 3, kCorruptionSeed), degree, 3, kCorruptionSeed)};
   for (std::uint64_t f = 1; f < 4; ++f) {
-    frames.push_back(testing::successor(frames.back(), f % 2 == 0 ? 0 : 5, kSeed + f));
+    frames.push_back(testing::successor(frames.back(), f % 2 == 0 ? 0 : 5, kCorruptionSeed + f));
   }
   return testing::write_document(frames);
 }
@@ -108,8 +109,8 @@ Bytes damaged(const Bytes& good, std::mt19937_64& random) {
 }
 
 TEST(Corruption, HundredThousandDamagedCopiesOfALargerDocument) {
-  const Bytes good = testing::write_document({testing::picture_model(320, 240, 1000, kSeed)});
-  std::mt19937_64 random(kSeed);
+  const Bytes good = testing::write_document({testing::picture_model(320, 240, 1000, kCorruptionSeed)});
+  std::mt19937_64 random(kCorruptionSeed);
   for (int i = 0; i < 100000; ++i) {
     const Bytes bad = damaged(good, random);
     if (bad == good) continue;
@@ -119,7 +120,7 @@ TEST(Corruption, HundredThousandDamagedCopiesOfALargerDocument) {
 
 TEST(Corruption, DamagedCopiesOfASequence) {
   const Bytes good = sequence(60, 2);
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kCorruptionSeed);
   for (int i = 0; i < 10000; ++i) {
     const Bytes bad = damaged(good, random);
     if (bad == good) continue;
@@ -130,7 +131,7 @@ TEST(Corruption, DamagedCopiesOfASequence) {
 TEST(Corruption, DamageBeneathTheChecksumsIsHarmless) {
   for (int degree = 1; degree <= 3; ++degree) {
     const Bytes good = sequence(60, degree);
-    std::mt19937_64 random(kSeed);
+    std::mt19937_64 random(kCorruptionSeed);
     int refused = 0;
     constexpr int kCases = 3000;
     for (int i = 0; i < kCases; ++i) {
@@ -149,7 +150,8 @@ TEST(Corruption, DamageBeneathTheChecksumsIsHarmless) {
 }
 
 TEST(Corruption, EdgesSofterThanAllowedAreRefused) {
-  FrameModel model = testing::random_model(testing::random_mesh(64, 48, 30, 1, kSeed), 2, 3, kSeed);
+  FrameModel model =
+      testing::random_model(testing::random_mesh(64, 48, 30, 1, kCorruptionSeed), 2, 3, kCorruptionSeed);
   model.frame = 0;
   model.pts = 0;
   model.edge_softness = 0;

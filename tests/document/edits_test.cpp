@@ -16,7 +16,7 @@ namespace {
 using document::FrameModel;
 using document::Reader;
 
-constexpr std::uint64_t kSeed = 5150;
+constexpr std::uint64_t kEditsSeed = 5150;
 
 /// A frame over another mesh, in one colour: what it takes is its topology and its knots.
 FrameModel plain_frame(mesh::KnotMesh mesh, int degree, std::uint64_t seed, bool random_links) {
@@ -35,7 +35,7 @@ std::vector<std::byte> bytes_of(const std::ostringstream& out) {
 
 TEST(Edits, ComeBackBitByBit) {
   for (int degree = 1; degree <= 3; ++degree) {
-    for (std::uint64_t seed = kSeed; seed < kSeed + 6; ++seed) {
+    for (std::uint64_t seed = kEditsSeed; seed < kEditsSeed + 6; ++seed) {
       SCOPED_TRACE("degree " + std::to_string(degree) + ", seed " + std::to_string(seed));
       mesh::EditableMesh mesh(testing::random_mesh(160, 120, 60, 3, seed));
       testing::MeshEdits edits(mesh, seed);
@@ -63,19 +63,19 @@ TEST(Edits, ComeBackBitByBit) {
 
 TEST(Edits, CostWhatTheyChange) {
   // Each of these leaves nearly all of 700 knots as they are.
-  const mesh::KnotMesh start = testing::random_mesh(640, 480, 700, 4, kSeed);
+  const mesh::KnotMesh start = testing::random_mesh(640, 480, 700, 4, kEditsSeed);
   const auto delta_bytes = [&](auto edit) {
     mesh::EditableMesh mesh(start);
-    testing::MeshEdits edits(mesh, kSeed);
+    testing::MeshEdits edits(mesh, kEditsSeed);
     std::ostringstream out;
-    FrameModel model = plain_frame(start, 2, kSeed, false);
+    FrameModel model = plain_frame(start, 2, kEditsSeed, false);
     document::Writer writer(out, testing::info_of(model));
     writer.append(model);
     model.keyframe = false;
     model.edge_softness = 0.125;  // a change, so that it is on the grid of deltas
     writer.append(model);
     edit(edits);
-    model = plain_frame(mesh.to_mesh(), 2, kSeed, false);
+    model = plain_frame(mesh.to_mesh(), 2, kEditsSeed, false);
     model.keyframe = false;
     model.edge_softness = 0.125;
     writer.append(model);
@@ -94,14 +94,14 @@ TEST(Edits, CostWhatTheyChange) {
 
 TEST(Edits, KnotsThatStayAmongMovingOnesCostNoMoreThanMovesByOneStep) {
   // A third of the knots does not go along with the others, which all move alike, to and fro.
-  const mesh::KnotMesh start = testing::random_mesh(640, 480, 300, 4, kSeed);
+  const mesh::KnotMesh start = testing::random_mesh(640, 480, 300, 4, kEditsSeed);
   const auto last_bytes = [&](auto move_of_third) {
     mesh::KnotMesh mesh = start;
     std::ostringstream out;
-    FrameModel model = plain_frame(mesh, 2, kSeed, false);
+    FrameModel model = plain_frame(mesh, 2, kEditsSeed, false);
     document::Writer writer(out, testing::info_of(model));
     writer.append(model);
-    std::mt19937_64 random(kSeed);
+    std::mt19937_64 random(kEditsSeed);
     constexpr std::size_t kFrames = 8;
     for (std::size_t f = 1; f <= kFrames; ++f) {
       mesh::KnotMesh moved = mesh;
@@ -112,7 +112,7 @@ TEST(Edits, KnotsThatStayAmongMovingOnesCostNoMoreThanMovesByOneStep) {
       }
       EXPECT_FALSE(mesh::find_defect(moved)) << f;
       mesh = moved;
-      model = plain_frame(mesh, 2, kSeed, false);
+      model = plain_frame(mesh, 2, kEditsSeed, false);
       model.keyframe = false;
       model.frame = f;
       writer.append(model);

@@ -17,7 +17,7 @@ using document::FrameModel;
 using testing::IndependentModel;
 using testing::Point;
 
-constexpr std::uint64_t kSeed = 12;
+constexpr std::uint64_t kFormatSeed = 12;
 
 void expect_same_model(const IndependentModel& independent, const FrameModel& model) {
   const spline::SplineSpace& space = *model.space;
@@ -76,21 +76,21 @@ void expect_format_holds(const FrameModel& given, std::mt19937_64& random) {
 
 TEST(Format, AReaderWrittenFromThePageFindsTheSameModel) {
   auto cases = testing::corpus_cases();
-  for (auto& c : testing::random_cases(kSeed, 40)) cases.push_back(std::move(c));
-  std::mt19937_64 random(kSeed);
+  for (auto& c : testing::random_cases(kFormatSeed, 40)) cases.push_back(std::move(c));
+  std::mt19937_64 random(kFormatSeed);
   for (const testing::MeshCase& c : cases) {
     SCOPED_TRACE(c.to_text());
     for (int degree = 1; degree <= 3; ++degree) {
       const int channels = 1 + static_cast<int>(random() % 4);
-      expect_format_holds(testing::random_model(c.mesh, degree, channels, kSeed, true), random);
+      expect_format_holds(testing::random_model(c.mesh, degree, channels, kFormatSeed, true), random);
       ASSERT_FALSE(HasFatalFailure());
     }
   }
 }
 
 TEST(Format, TheSameForALargeFrame) {
-  std::mt19937_64 random(kSeed);
-  expect_format_holds(testing::picture_model(320, 240, 800, kSeed), random);
+  std::mt19937_64 random(kFormatSeed);
+  expect_format_holds(testing::picture_model(320, 240, 800, kFormatSeed), random);
 }
 
 }  // namespace

@@ -19,7 +19,7 @@ using document::FrameModel;
 using nlohmann::json;
 using testing::Point;
 
-constexpr std::uint64_t kSeed = 5;
+constexpr std::uint64_t kJsonSeed = 5;
 
 /// sum over I of B_I(u) c_I, from the JSON alone.
 std::vector<double> surface(const json& frame, Point u) {
@@ -55,16 +55,16 @@ std::vector<double> surface(const FrameModel& model, const spline::Basis& basis,
 
 std::vector<testing::MeshCase> cases() {
   std::vector<testing::MeshCase> result = testing::corpus_cases();
-  for (auto& c : testing::random_cases(kSeed, 10)) result.push_back(std::move(c));
+  for (auto& c : testing::random_cases(kJsonSeed, 10)) result.push_back(std::move(c));
   return result;
 }
 
 TEST(Json, HoldsTheWholeSurface) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kJsonSeed);
   for (const testing::MeshCase& c : cases()) {
     SCOPED_TRACE(c.to_text());
     for (int degree = 1; degree <= 3; ++degree) {
-      const FrameModel model = testing::random_model(c.mesh, degree, 3, kSeed, true);
+      const FrameModel model = testing::random_model(c.mesh, degree, 3, kJsonSeed, true);
       const json frame = json::parse(document::frame_to_json(model, testing::info_of(model)));
       const spline::Basis basis(model.space);
       for (int i = 0; i < 3; ++i) {
@@ -83,7 +83,7 @@ TEST(Json, UsesEveryCopyOfAKnotOncePerConfig) {
   for (const testing::MeshCase& c : cases()) {
     SCOPED_TRACE(c.to_text());
     for (int degree = 1; degree <= 3; ++degree) {
-      const FrameModel model = testing::random_model(c.mesh, degree, 1, kSeed);
+      const FrameModel model = testing::random_model(c.mesh, degree, 1, kJsonSeed);
       const json frame = json::parse(document::frame_to_json(model, testing::info_of(model)));
       for (const json& f : frame["basis"]) {
         EXPECT_EQ(f["I"].size(), static_cast<std::size_t>(degree));
@@ -100,7 +100,7 @@ TEST(Json, UsesEveryCopyOfAKnotOncePerConfig) {
 }
 
 TEST(Json, SaysWhatTheFrameIs) {
-  FrameModel model = testing::random_model(testing::random_mesh(64, 48, 12, 1, kSeed), 2, 4, kSeed);
+  FrameModel model = testing::random_model(testing::random_mesh(64, 48, 12, 1, kJsonSeed), 2, 4, kJsonSeed);
   model.frame = 7;
   model.pts = -3;
   document::Reader reader = document::Reader::open(testing::write_document({model}));

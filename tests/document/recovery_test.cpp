@@ -20,13 +20,13 @@ using document::Reader;
 using document::Writer;
 using testing::difference;
 
-constexpr std::uint64_t kSeed = 31;
+constexpr std::uint64_t kRecoverySeed = 31;
 
 std::vector<FrameModel> frames() {
   std::vector<FrameModel> result{
-      testing::random_model(testing::random_mesh(96, 64, 40, 1, kSeed), 2, 3, kSeed)};
+      testing::random_model(testing::random_mesh(96, 64, 40, 1, kRecoverySeed), 2, 3, kRecoverySeed)};
   for (std::uint64_t f = 1; f < 4; ++f) {
-    result.push_back(testing::successor(result.back(), f % 2 == 0 ? 0 : 3, kSeed + f));
+    result.push_back(testing::successor(result.back(), f % 2 == 0 ? 0 : 3, kRecoverySeed + f));
   }
   return result;
 }

@@ -20,11 +20,11 @@ using document::Reader;
 using testing::difference;
 using testing::write_document;
 
-constexpr std::uint64_t kSeed = 20240607;
+constexpr std::uint64_t kRoundTripSeed = 20240607;
 
 std::vector<testing::MeshCase> all_cases() {
   std::vector<testing::MeshCase> cases = testing::corpus_cases();
-  for (auto& c : testing::random_cases(kSeed, 200)) cases.push_back(std::move(c));
+  for (auto& c : testing::random_cases(kRoundTripSeed, 200)) cases.push_back(std::move(c));
   return cases;
 }
 
@@ -38,7 +38,8 @@ TEST(Document, ReadsBackBitByBitWhatAppendReturned) {
   for (const testing::MeshCase& c : all_cases()) {
     SCOPED_TRACE(c.to_text());
     for (int degree = 1; degree <= 3; ++degree) {
-      const FrameModel model = testing::random_model(c.mesh, degree, 1 + degree, kSeed, degree % 2 == 0);
+      const FrameModel model =
+          testing::random_model(c.mesh, degree, 1 + degree, kRoundTripSeed, degree % 2 == 0);
       std::ostringstream out;
       document::Writer writer(out, testing::info_of(model));
       const FrameModel stored = writer.append(model);
@@ -68,7 +69,7 @@ TEST(Document, AModelOverAStoredMeshIsStoredWithTheSpaceAndTheRoundedGeometryItH
       EXPECT_LE(norm(stored.mesh.knots[k].position - given.position), std::ldexp(1.5, -kBits));
     }
     for (int degree = 1; degree <= 3; ++degree) {
-      FrameModel model = testing::random_model(stored.mesh, degree, 3, kSeed, degree % 2 == 0);
+      FrameModel model = testing::random_model(stored.mesh, degree, 3, kRoundTripSeed, degree % 2 == 0);
       const std::vector<Vec2> exact = model.displacement;
       document::round_displacement(model.displacement, document::EncodeOptions{}.displacement_step);
       EXPECT_NE(model.displacement, exact);
@@ -85,7 +86,8 @@ TEST(Document, AModelOverAStoredMeshIsStoredWithTheSpaceAndTheRoundedGeometryItH
 
 /// The same model over its stored space makes the same file, and is stored with that very space.
 TEST(Document, StoredMeshesHaveNoGridOutOfRange) {
-  const FrameModel model = testing::random_model(testing::random_mesh(64, 48, 30, 1, kSeed), 2, 3, kSeed);
+  const FrameModel model =
+      testing::random_model(testing::random_mesh(64, 48, 30, 1, kRoundTripSeed), 2, 3, kRoundTripSeed);
   for (const int bits : {-1, 15, std::numeric_limits<int>::max()}) {
     EXPECT_THROW(document::stored_mesh(model.space->mesh(), bits), Error);
     EXPECT_THROW(document::stored_space(model.space, bits), Error);
@@ -97,7 +99,7 @@ TEST(Document, AStoredSpaceHasTheFunctionsOfTheOneGiven) {
   for (const testing::MeshCase& c : all_cases()) {
     SCOPED_TRACE(c.to_text());
     for (int degree = 1; degree <= 3; ++degree) {
-      const FrameModel given = testing::random_model(c.mesh, degree, 3, kSeed, degree % 2 == 0);
+      const FrameModel given = testing::random_model(c.mesh, degree, 3, kRoundTripSeed, degree % 2 == 0);
       const document::StoredSpace stored = document::stored_space(given.space, kBits);
       FrameModel model = given;
       model.space = stored.space;
@@ -124,8 +126,8 @@ TEST(Document, KeepsItsBytesWhenReadAndWrittenAgain) {
         document::EncodeOptions options;
         options.knot_bits = 2 * degree;
         options.rename_knots = rename;
-        const auto bytes =
-            write_document({testing::random_model(c.mesh, degree, 3, kSeed, degree % 2 == 0)}, options);
+        const auto bytes = write_document(
+            {testing::random_model(c.mesh, degree, 3, kRoundTripSeed, degree % 2 == 0)}, options);
         Reader reader = Reader::open(bytes);
         ASSERT_EQ(rewritten(reader, options), bytes);
       }
@@ -137,8 +139,8 @@ TEST(Document, DoesNotDependOnTheOrderOfTheModel) {
   for (const testing::MeshCase& c : all_cases()) {
     SCOPED_TRACE(c.to_text());
     for (int degree = 1; degree <= 2; ++degree) {
-      const FrameModel model = testing::random_model(c.mesh, degree, 3, kSeed, degree == 2);
-      EXPECT_EQ(write_document({model}), write_document({testing::shuffled(model, kSeed)}));
+      const FrameModel model = testing::random_model(c.mesh, degree, 3, kRoundTripSeed, degree == 2);
+      EXPECT_EQ(write_document({model}), write_document({testing::shuffled(model, kRoundTripSeed)}));
     }
   }
 }
@@ -147,7 +149,7 @@ TEST(Document, RoundsWithinTheStatedBounds) {
   const document::EncodeOptions options;
   for (const testing::MeshCase& c : all_cases()) {
     SCOPED_TRACE(c.to_text());
-    const FrameModel model = testing::random_model(c.mesh, 2, 3, kSeed);
+    const FrameModel model = testing::random_model(c.mesh, 2, 3, kRoundTripSeed);
     Reader reader = Reader::open(write_document({model}, options));
     const FrameModel stored = reader.read(0);
     std::map<mesh::KnotId, Vec2> given;
@@ -171,7 +173,8 @@ TEST(Document, RoundsWithinTheStatedBounds) {
 }
 
 TEST(Document, RefusesModelsThatDoNotFit) {
-  const FrameModel model = testing::random_model(testing::random_mesh(64, 48, 30, 1, kSeed), 2, 3, kSeed);
+  const FrameModel model =
+      testing::random_model(testing::random_mesh(64, 48, 30, 1, kRoundTripSeed), 2, 3, kRoundTripSeed);
   const auto refuses = [&](auto change) {
     std::ostringstream out;
     document::Writer writer(out, testing::info_of(model));
@@ -204,7 +207,7 @@ TEST(Document, TakesAFinerGridWhereFacesWouldFlip) {
   builder.free(20.001, 20);
   builder.free(20.002, 20.0005);
   builder.free(40, 30);
-  const FrameModel model = testing::random_model(builder.triangulated(), 2, 3, kSeed);
+  const FrameModel model = testing::random_model(builder.triangulated(), 2, 3, kRoundTripSeed);
   Reader reader = Reader::open(write_document({model}));
   EXPECT_EQ(reader.read(0).space->mesh().knots.size(), 7u);
   EXPECT_EQ(rewritten(reader, {}), write_document({model}));

@@ -22,7 +22,7 @@ using document::FrameModel;
 using document::Reader;
 using testing::difference;
 
-constexpr std::uint64_t kSeed = 77;
+constexpr std::uint64_t kSequenceSeed = 77;
 
 struct Sequence {
   std::vector<FrameModel> stored;  ///< as append returned them
@@ -33,7 +33,8 @@ struct Sequence {
 /// the topology, some swap knots, one changes nothing.
 Sequence encode(int degree) {
   std::ostringstream out;
-  FrameModel model = testing::random_model(testing::random_mesh(160, 120, 120, 3, kSeed), degree, 3, kSeed);
+  FrameModel model =
+      testing::random_model(testing::random_mesh(160, 120, 120, 3, kSequenceSeed), degree, 3, kSequenceSeed);
   document::EncodeOptions options;
   options.rename_knots = degree == 2;
   document::Writer writer(out, testing::info_of(model), options);
@@ -41,7 +42,7 @@ Sequence encode(int degree) {
   for (std::uint64_t f = 0; f < 10; ++f) {
     sequence.stored.push_back(writer.append(model));
     const int swaps = f % 3 == 1 ? 4 : 0;
-    model = testing::successor(sequence.stored.back(), swaps, kSeed + f);
+    model = testing::successor(sequence.stored.back(), swaps, kSequenceSeed + f);
     if (f == 2) {
       model = sequence.stored.back();
       model.keyframe = false;
@@ -63,7 +64,7 @@ TEST(Sequence, ReadsEveryFrameInAnyOrder) {
     ASSERT_EQ(reader.frame_count(), s.stored.size());
     for (std::size_t f = 0; f < s.stored.size(); ++f)
       EXPECT_EQ(difference(reader.read(f), s.stored[f]), "") << f;
-    std::mt19937_64 random(kSeed);
+    std::mt19937_64 random(kSequenceSeed);
     for (int i = 0; i < 40; ++i) {
       const std::size_t f = random() % s.stored.size();
       EXPECT_EQ(difference(reader.read(f), s.stored[f]), "") << f;
@@ -92,7 +93,8 @@ TEST(Sequence, AFrameWithoutChangeCostsNextToNothing) {
 
 /// Where it alone changes, too.
 TEST(Sequence, TheSoftnessOfEdgesStaysUntilItChanges) {
-  FrameModel model = testing::random_model(testing::random_mesh(64, 48, 30, 1, kSeed), 2, 3, kSeed);
+  FrameModel model =
+      testing::random_model(testing::random_mesh(64, 48, 30, 1, kSequenceSeed), 2, 3, kSequenceSeed);
   const std::vector<double> softness{0.125, 0.125, 0, 0.25, 0.25, 0.25};
   std::ostringstream out;
   document::Writer writer(out, testing::info_of(model));
@@ -149,7 +151,8 @@ TEST(Sequence, NamesOfMetadataAscend) {
 TEST(Sequence, ARepeatedKeyframeStaysAsItIs) {
   // Deltas have coarser steps, which are for frames that change.
   std::ostringstream out;
-  FrameModel model = testing::random_model(testing::random_mesh(160, 120, 120, 3, kSeed), 2, 3, kSeed);
+  FrameModel model =
+      testing::random_model(testing::random_mesh(160, 120, 120, 3, kSequenceSeed), 2, 3, kSequenceSeed);
   document::Writer writer(out, testing::info_of(model));
   const FrameModel first = writer.append(model);
   for (std::uint64_t f = 1; f < 3; ++f) {
@@ -211,7 +214,8 @@ TEST(Sequence, ControlPointsKeepTheirNameWithTheirKnots) {
 
 TEST(Sequence, SidesOfAFeatureKeepTheirNames) {
   // Swapped knots renumber the mesh; colours left and right of a feature must not change places.
-  FrameModel model = testing::random_model(testing::random_mesh(160, 120, 120, 3, kSeed), 2, 1, kSeed);
+  FrameModel model =
+      testing::random_model(testing::random_mesh(160, 120, 120, 3, kSequenceSeed), 2, 1, kSequenceSeed);
   const auto paint = [](FrameModel& m) {
     // Colour by the side of the function's one-sided support: the mean of its corners' fans.
     for (std::uint32_t f = 0; f < m.space->function_count(); ++f) {
@@ -239,7 +243,7 @@ TEST(Sequence, SidesOfAFeatureKeepTheirNames) {
     std::map<std::uint32_t, double> before;
     for (std::size_t f = 0; f < stored.function_ids.size(); ++f)
       before[stored.function_ids[f]] = stored.colour[f];
-    FrameModel next = testing::successor(stored, 6, kSeed + static_cast<std::uint64_t>(step));
+    FrameModel next = testing::successor(stored, 6, kSequenceSeed + static_cast<std::uint64_t>(step));
     paint(next);
     stored = writer.append(next);
     for (std::size_t f = 0; f < stored.function_ids.size(); ++f) {

@@ -21,18 +21,18 @@ using spline::PixelValues;
 using spline::surface_at_pixels;
 
 /// Pixels at their centres or displaced, all of weight 1 or not.
-struct Case {
+struct ColourCase {
   int degree;
   bool displaced;
   bool weighted;
 };
 
-std::ostream& operator<<(std::ostream& out, const Case& c) {
+std::ostream& operator<<(std::ostream& out, const ColourCase& c) {
   return out << "degree " << c.degree << (c.displaced ? ", displaced" : "")
              << (c.weighted ? ", weighted" : "");
 }
 
-class ColourFits : public ::testing::TestWithParam<Case> {
+class ColourFits : public ::testing::TestWithParam<ColourCase> {
  protected:
   void SetUp() override {
     if (GetParam().displaced) places_ = scattered_places(48, 40, 1.5, 7);
@@ -54,9 +54,10 @@ class ColourFits : public ::testing::TestWithParam<Case> {
 };
 
 INSTANTIATE_TEST_SUITE_P(All, ColourFits,
-                         ::testing::Values(Case{1, false, false}, Case{1, true, true}, Case{2, false, false},
-                                           Case{2, false, true}, Case{2, true, false}, Case{2, true, true},
-                                           Case{3, false, false}, Case{3, true, true}));
+                         ::testing::Values(ColourCase{1, false, false}, ColourCase{1, true, true},
+                                           ColourCase{2, false, false}, ColourCase{2, false, true},
+                                           ColourCase{2, true, false}, ColourCase{2, true, true},
+                                           ColourCase{3, false, false}, ColourCase{3, true, true}));
 
 TEST_P(ColourFits, SurfacesOfTheSpaceComeBack) {
   const std::vector<double> control = random_control(3 * space_->function_count(), 3);

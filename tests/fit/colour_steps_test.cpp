@@ -16,8 +16,8 @@ namespace {
 using Matrix = Eigen::SparseMatrix<double>;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-constexpr std::uint64_t kSeed = 20261124;
-constexpr double kStep = 3;
+constexpr std::uint64_t kColourStepsSeed = 20261124;
+constexpr double kColourStep = 3;
 constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
 
 /// The normal equations of B-splines of degree 2 with three pixels to a knot, and some noise.
@@ -58,19 +58,19 @@ double objective(const System& s, const std::vector<double>& control, const std:
   for (std::size_t i = 0; i < before.size(); ++i) {
     if (std::isnan(before[i])) continue;
     const auto row = static_cast<Eigen::Index>(i) / s.right.cols();
-    const double old = std::round(before[i] / kStep) * kStep;
-    sum += reluctance * kStep * std::max(least, s.lower.coeff(row, row)) * std::abs(control[i] - old);
+    const double old = std::round(before[i] / kColourStep) * kColourStep;
+    sum += reluctance * kColourStep * std::max(least, s.lower.coeff(row, row)) * std::abs(control[i] - old);
   }
   return sum;
 }
 
 std::vector<double> rounded(std::vector<double> control) {
-  for (double& c : control) c = std::round(c / kStep) * kStep;
+  for (double& c : control) c = std::round(c / kColourStep) * kColourStep;
   return control;
 }
 
 TEST(ColourSteps, AreMultiplesThatNoOtherOneNextToThemBeats) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kColourStepsSeed);
   std::uniform_real_distribution<double> change(-12, 12);
   for (const double reluctance : {0.0, 0.4, 1.5}) {
     for (int channels = 1; channels <= 4; ++channels) {
@@ -81,13 +81,13 @@ TEST(ColourSteps, AreMultiplesThatNoOtherOneNextToThemBeats) {
       const std::vector<std::uint8_t> moving(40, 1);
       // Sweeps are few; from where the last call ended they go on.
       for (int k = 0; k < 5; ++k)
-        descend_in_steps(s.lower, s.right, moving, before, {kStep, std::vector<double>(40, reluctance)},
+        descend_in_steps(s.lower, s.right, moving, before, {kColourStep, std::vector<double>(40, reluctance)},
                          control);
       const double least = objective(s, control, before, reluctance);
       EXPECT_LT(least, objective(s, rounded(numbers(s.solution)), before, reluctance));
       for (std::size_t i = 0; i < control.size(); ++i) {
-        EXPECT_EQ(control[i], std::round(control[i] / kStep) * kStep);
-        for (const double step : {-kStep, kStep}) {
+        EXPECT_EQ(control[i], std::round(control[i] / kColourStep) * kColourStep);
+        for (const double step : {-kColourStep, kColourStep}) {
           std::vector<double> other = control;
           other[i] += step;
           EXPECT_GT(objective(s, other, before, reluctance), least - 1e-6) << i << ' ' << reluctance;
@@ -98,17 +98,17 @@ TEST(ColourSteps, AreMultiplesThatNoOtherOneNextToThemBeats) {
 }
 
 TEST(ColourSteps, LoseLessThanRoundingEachByItself) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kColourStepsSeed);
   const System s = quadratic_splines(400, 3, random);
   std::vector<double> control = numbers(s.solution);
-  descend_in_steps(s.lower, s.right, std::vector<std::uint8_t>(400, 1), {}, {kStep}, control);
+  descend_in_steps(s.lower, s.right, std::vector<std::uint8_t>(400, 1), {}, {kColourStep}, control);
   const double best = objective(s, numbers(s.solution), {}, 0);
   const double by_itself = objective(s, rounded(numbers(s.solution)), {}, 0) - best;
   EXPECT_LT(objective(s, control, {}, 0) - best, 0.9 * by_itself);
 }
 
 TEST(ColourSteps, StayForChangesThatAreNotWorthIt) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kColourStepsSeed);
   std::uniform_real_distribution<double> noise(-0.3, 0.3);
   const System s = quadratic_splines(200, 3, random);
   const std::vector<double> before = rounded(numbers(s.solution));
@@ -119,7 +119,7 @@ TEST(ColourSteps, StayForChangesThatAreNotWorthIt) {
   const Eigen::MatrixXd right = s.lower.selfadjointView<Eigen::Lower>() * Eigen::MatrixXd(wanted);
   std::vector<double> control = numbers(wanted);
   descend_in_steps(s.lower, right, std::vector<std::uint8_t>(200, 1), before,
-                   {kStep, std::vector<double>(200, 0.4)}, control);
+                   {kColourStep, std::vector<double>(200, 0.4)}, control);
   for (std::size_t i = 0; i < control.size(); ++i) {
     if (i == 301) {
       EXPECT_EQ(control[i], before[i] + 30);
@@ -133,20 +133,20 @@ TEST(ColourSteps, StayLongerWhereFewPixelsSpeakForThem) {
   Eigen::MatrixXd diagonal = Eigen::MatrixXd::Identity(10, 10);
   diagonal(4, 4) = 0.01;
   const System s{diagonal.sparseView(), diagonal * Eigen::MatrixXd::Constant(10, 1, 100), {}};
-  const std::vector<double> before(10, 99 - 3 * kStep);
+  const std::vector<double> before(10, 99 - 3 * kColourStep);
   std::vector<double> control(10, 100);
   descend_in_steps(s.lower, s.right, std::vector<std::uint8_t>(10, 1), before,
-                   {kStep, std::vector<double>(10, 0.4)}, control);
+                   {kColourStep, std::vector<double>(10, 0.4)}, control);
   for (std::size_t i = 0; i < 10; ++i) EXPECT_EQ(control[i], i == 4 ? before[i] : 99) << i;
 }
 
 TEST(ColourSteps, OnlyRoundWhatShallNotMove) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kColourStepsSeed);
   const System s = quadratic_splines(100, 3, random);
   std::vector<std::uint8_t> moving(100, 1);
   for (std::size_t i = 0; i < 100; i += 3) moving[i] = 0;
   std::vector<double> control = numbers(s.solution);
-  descend_in_steps(s.lower, s.right, moving, {}, {kStep}, control);
+  descend_in_steps(s.lower, s.right, moving, {}, {kColourStep}, control);
   const std::vector<double> alone = rounded(numbers(s.solution));
   std::size_t moved = 0;
   for (std::size_t i = 0; i < control.size(); ++i) {
@@ -159,17 +159,19 @@ TEST(ColourSteps, OnlyRoundWhatShallNotMove) {
 }
 
 TEST(ColourSteps, NeedOneOfEverything) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kColourStepsSeed);
   const System s = quadratic_splines(10, 3, random);
   std::vector<double> control(30);
   const std::vector<std::uint8_t> few(9, 1);
-  EXPECT_THROW(descend_in_steps(s.lower, s.right, few, {}, {kStep}, control), Error);
+  EXPECT_THROW(descend_in_steps(s.lower, s.right, few, {}, {kColourStep}, control), Error);
   const std::vector<std::uint8_t> moving(10, 1);
-  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, std::vector<double>(29), {kStep}, control), Error);
-  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, {}, {kStep, std::vector<double>(9, 0.4)}, control),
+  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, std::vector<double>(29), {kColourStep}, control),
                Error);
+  EXPECT_THROW(
+      descend_in_steps(s.lower, s.right, moving, {}, {kColourStep, std::vector<double>(9, 0.4)}, control),
+      Error);
   control.pop_back();
-  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, {}, {kStep}, control), Error);
+  EXPECT_THROW(descend_in_steps(s.lower, s.right, moving, {}, {kColourStep}, control), Error);
 }
 
 }  // namespace

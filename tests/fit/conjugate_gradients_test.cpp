@@ -14,7 +14,7 @@ namespace {
 
 using Matrix = Eigen::SparseMatrix<double>;
 
-constexpr std::uint64_t kSeed = 20261123;
+constexpr std::uint64_t kConjugateGradientsSeed = 20261123;
 
 /// The lower half of sum_k w_k v_k v_k^T for vectors of three positive entries at unknowns close to each
 /// other, as normal equations of basis functions are.
@@ -45,7 +45,7 @@ Eigen::MatrixXd random_numbers(int rows, int columns, double reach, std::mt19937
 }
 
 TEST(ConjugateGradients, FindTheSolutionFromNearby) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kConjugateGradientsSeed);
   for (const int n : {1, 2, 45, 600}) {
     for (int columns = 1; columns <= 4; ++columns) {
       const Matrix lower = normal_equations(n, random);
@@ -63,7 +63,7 @@ TEST(ConjugateGradients, FindTheSolutionFromNearby) {
 }
 
 TEST(ConjugateGradients, StayWhereTheSolutionIs) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kConjugateGradientsSeed);
   const Matrix lower = normal_equations(200, random);
   const Eigen::MatrixXd solution = random_numbers(200, 3, 255, random);
   const Eigen::MatrixXd right = lower.selfadjointView<Eigen::Lower>() * solution;
@@ -73,7 +73,7 @@ TEST(ConjugateGradients, StayWhereTheSolutionIs) {
 }
 
 TEST(ConjugateGradients, SayWhenTheyDoNotArrive) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kConjugateGradientsSeed);
   const Matrix lower = normal_equations(200, random);
   const Eigen::MatrixXd right = random_numbers(200, 3, 255, random);
   const Eigen::MatrixXd far = random_numbers(200, 3, 1e60, random);
@@ -88,7 +88,7 @@ TEST(ConjugateGradients, SayWhenTheyDoNotArrive) {
 }
 
 TEST(SolveReduced, ComesToTheSameFromAnyStart) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kConjugateGradientsSeed);
   const int n = 300;
   const Matrix lower = normal_equations(n, random);
   // Every tenth unknown is the mean of its neighbours.

@@ -14,14 +14,14 @@ using namespace knotreel::testing;
 using mesh::KnotIndex;
 using mesh::KnotKind;
 
-struct Case {
+struct GradientCase {
   int degree;
   bool displaced;
   bool weighted;
   int channels;
 };
 
-std::ostream& operator<<(std::ostream& out, const Case& c) {
+std::ostream& operator<<(std::ostream& out, const GradientCase& c) {
   return out << "degree " << c.degree << ", channels " << c.channels << (c.displaced ? ", displaced" : "")
              << (c.weighted ? ", weighted" : "");
 }
@@ -44,7 +44,7 @@ std::vector<Vec2> directions_of(const mesh::KnotMesh& mesh, KnotIndex k) {
   return {};
 }
 
-class Gradient : public ::testing::TestWithParam<Case> {
+class Gradient : public ::testing::TestWithParam<GradientCase> {
  protected:
   void SetUp() override {
     if (GetParam().displaced) {
@@ -95,10 +95,10 @@ class Gradient : public ::testing::TestWithParam<Case> {
 };
 
 INSTANTIATE_TEST_SUITE_P(All, Gradient,
-                         ::testing::Values(Case{1, false, false, 1}, Case{2, false, false, 3},
-                                           Case{2, true, false, 1}, Case{2, false, true, 4},
-                                           Case{2, true, true, 2}, Case{3, false, false, 1},
-                                           Case{3, true, true, 3}));
+                         ::testing::Values(GradientCase{1, false, false, 1}, GradientCase{2, false, false, 3},
+                                           GradientCase{2, true, false, 1}, GradientCase{2, false, true, 4},
+                                           GradientCase{2, true, true, 2}, GradientCase{3, false, false, 1},
+                                           GradientCase{3, true, true, 3}));
 
 TEST_P(Gradient, IsTheDerivativeWithControlPointsHeld) {
   // A strong ridge, and smooth corners: nothing depends on the control points being the best ones.

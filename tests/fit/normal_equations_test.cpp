@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
+#include <Eigen/Sparse>
 
 #include "fit/fit_cases.h"
 #include "knotreel/base/parallel.h"
@@ -14,7 +15,7 @@ namespace {
 using namespace knotreel::testing;
 using spline::PixelValues;
 
-/// A^T W A and A^T W b with a dense A, from the values at each pixel.
+/// A^T W A and A^T W b, from the values at each pixel.
 struct Reference {
   Eigen::MatrixXd matrix;
   Eigen::MatrixXd right;
@@ -24,7 +25,7 @@ Reference reference(const spline::Basis& basis, const image::Image& target, std:
                     std::span<const float> weights, std::span<const std::uint8_t> active) {
   const auto pixels = static_cast<Eigen::Index>(target.pixel_count());
   const auto functions = static_cast<Eigen::Index>(basis.space().function_count());
-  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(pixels, functions);
+  std::vector<Eigen::Triplet<double>> entries;
   Eigen::MatrixXd b(pixels, target.channels);
   Eigen::VectorXd w = Eigen::VectorXd::Ones(pixels);
   std::vector<spline::BasisValue> values;
@@ -32,13 +33,17 @@ Reference reference(const spline::Basis& basis, const image::Image& target, std:
     const auto pixel = static_cast<std::size_t>(i);
     basis.evaluate(places.empty() ? pixel_centre(pixel, target.width) : places[pixel], values);
     for (const auto& v : values) {
-      if (active.empty() || active[v.function]) a(i, static_cast<Eigen::Index>(v.function)) = v.value;
+      if (active.empty() || active[v.function])
+        entries.emplace_back(i, static_cast<Eigen::Index>(v.function), v.value);
     }
     for (int c = 0; c < target.channels; ++c)
       b(i, c) = static_cast<double>(target.samples[pixel * std::size_t(target.channels) + std::size_t(c)]);
     if (!weights.empty()) w(i) = static_cast<double>(weights[pixel]);
   }
-  return {a.transpose() * w.asDiagonal() * a, a.transpose() * w.asDiagonal() * b};
+  Eigen::SparseMatrix<double> a(pixels, functions);
+  a.setFromTriplets(entries.begin(), entries.end());
+  const Eigen::SparseMatrix<double> weighted = w.asDiagonal() * a;
+  return {Eigen::MatrixXd(weighted.transpose() * a), weighted.transpose() * b};
 }
 
 void expect_equal(const NormalEquations& fast, const Reference& slow, const std::string& name) {

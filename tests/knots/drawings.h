@@ -1,5 +1,7 @@
 #pragma once
 
+#include <gtest/gtest.h>
+
 #include <cmath>
 #include <cstdint>
 #include <random>
@@ -59,6 +61,11 @@ inline mesh::KnotMesh scattered_mesh(double width, double height, double spacing
   }
   mesh::triangulate(mesh);
   return mesh;
+}
+
+inline void expect_sound(const mesh::EditableMesh& mesh) {
+  const auto defect = find_defect(mesh.to_mesh());
+  EXPECT_FALSE(defect) << *defect;
 }
 
 inline double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {

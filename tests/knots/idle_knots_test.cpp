@@ -33,7 +33,7 @@ std::size_t count(const EditableMesh& mesh, KnotKind kind) {
 /// Knots on the border come where the picture asks for them, and would pile up if they never went.
 TEST(IdleKnots, AreThoseWhereThePictureIsFlatOnTheBorderToo) {
   std::size_t removed_from_border = 0;
-  for (const auto& c : testing::random_cases(29, 10)) {
+  for (const auto& c : knotreel::testing::random_cases(29, 10)) {
     SCOPED_TRACE(c.to_text());
     EditableMesh mesh(c.mesh);
     const std::size_t border = count(mesh, KnotKind::kBorder);
@@ -52,7 +52,7 @@ TEST(IdleKnots, AreThoseWhereThePictureIsFlatOnTheBorderToo) {
 /// Each that goes makes room for one that is worth it, and there are no more than asked for.
 TEST(IdleKnots, GoOnlyForFacesThatAreMuchWorse) {
   std::size_t any = 0;
-  for (const auto& c : testing::random_cases(30, 10)) {
+  for (const auto& c : knotreel::testing::random_cases(30, 10)) {
     SCOPED_TRACE(c.to_text());
     const Target target(half_flat(int(c.mesh.width), int(c.mesh.height)), {});
     const auto removed = [&](const std::vector<double>& errors, double share) {

@@ -13,7 +13,7 @@
 namespace knotreel::knots {
 namespace {
 
-constexpr std::uint64_t kSeed = 20261124;
+constexpr std::uint64_t kLinkChoiceSeed = 20261124;
 constexpr double kInvalid = std::numeric_limits<double>::infinity();
 
 /// Sum of the errors of the triangles; kInvalid if one of them is flat or turned.
@@ -73,7 +73,7 @@ std::vector<Vec2> random_polygon(std::size_t n, std::mt19937_64& random) {
 TEST(PictureLinks, NoTriangulationIsBetter) {
   const Target target(testing::disc(80, 80, 3), {});
   const spline::LinkPolicy policy = picture_links(target);
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kLinkChoiceSeed);
   int better_than_standard = 0;
   for (int i = 0; i < 300; ++i) {
     SCOPED_TRACE("polygon " + std::to_string(i));
@@ -91,7 +91,7 @@ TEST(PictureLinks, NoTriangulationIsBetter) {
 
 TEST(PictureLinks, LargePolygonsAreTriangulatedInTheStandardWay) {
   const Target target(testing::disc(80, 80, 1), {});
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kLinkChoiceSeed);
   for (const std::size_t n : {5U, 6U, 15U, 20U}) {
     const std::vector<Vec2> polygon = random_polygon(n, random);
     std::vector<std::uint16_t> standard;
@@ -137,7 +137,7 @@ TEST(PictureLinks, MakeSpacesThatSumToOne) {
       EXPECT_LE(chosen, standard * (1 + 1e-12));
       const spline::Basis basis(space);
       std::vector<spline::BasisValue> values;
-      for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kSeed, 20)) {
+      for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kLinkChoiceSeed, 20)) {
         basis.evaluate(u, values);
         double sum = 0;
         for (const auto& v : values) {

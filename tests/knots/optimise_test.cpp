@@ -19,7 +19,7 @@ using mesh::FaceIndex;
 using mesh::KnotIndex;
 using mesh::KnotKind;
 
-constexpr std::uint64_t kSeed = 20261126;
+constexpr std::uint64_t kOptimiseSeed = 20261126;
 
 std::vector<KnotIndex> all_knots(const EditableMesh& mesh) {
   std::vector<KnotIndex> knots;
@@ -50,11 +50,6 @@ std::set<std::pair<KnotIndex, KnotIndex>> fixed_edges(const EditableMesh& mesh) 
   return edges;
 }
 
-void expect_sound(const EditableMesh& mesh) {
-  const auto defect = find_defect(mesh.to_mesh());
-  EXPECT_FALSE(defect) << *defect;
-}
-
 /// A mesh with features, with knots where the picture wants them.
 struct Case {
   std::string text;
@@ -65,7 +60,7 @@ struct Case {
 std::vector<Case> cases(double min_distance = 1) {
   std::vector<Case> result;
   auto meshes = knotreel::testing::corpus_cases();
-  for (auto& r : knotreel::testing::random_cases(kSeed, 10)) meshes.push_back(std::move(r));
+  for (auto& r : knotreel::testing::random_cases(kOptimiseSeed, 10)) meshes.push_back(std::move(r));
   for (const auto& c : meshes) {
     Case made{c.to_text(),
               Target(testing::disc(static_cast<int>(c.mesh.width), static_cast<int>(c.mesh.height), 3), {}),
@@ -78,7 +73,7 @@ std::vector<Case> cases(double min_distance = 1) {
 }
 
 TEST(LinearEnergy, IsTheSumOverTheFaces) {
-  EditableMesh mesh(testing::scattered_mesh(100, 80, 20, kSeed));
+  EditableMesh mesh(testing::scattered_mesh(100, 80, 20, kOptimiseSeed));
   const Target target(testing::disc(100, 80, 2), {});
   double sum = 0;
   for (const FaceIndex f : all_faces(mesh)) sum += target.error(mesh.triangle(f));
@@ -90,7 +85,7 @@ TEST(LinearEnergy, IsTheSumOverTheFaces) {
 TEST(EnergyGradient, AgreesWithDifferencesOfTheEnergy) {
   constexpr double kTolerance = 0.1;
   constexpr double kStep = 2;
-  const mesh::KnotMesh start = testing::scattered_mesh(400, 320, 90, kSeed);
+  const mesh::KnotMesh start = testing::scattered_mesh(400, 320, 90, kOptimiseSeed);
   const Target target(testing::waves(400, 320, 3), {});
   EditableMesh mesh(start);
   double largest = 0;
@@ -181,7 +176,7 @@ TEST(DescendPositions, NeverRaisesTheEnergyAndKeepsTheMeshSound) {
       const double after = linear_energy(c.mesh, c.target);
       EXPECT_LE(after, before * (1 + 1e-9));
       before = after;
-      expect_sound(c.mesh);
+      testing::expect_sound(c.mesh);
     }
     gained = std::max(gained, 1 - before / first);
     EXPECT_EQ(fixed_edges(c.mesh), edges);
@@ -194,7 +189,7 @@ TEST(DescendPositions, DoesNotDependOnTheNumberOfThreads) {
   std::vector<Vec2> positions[2];
   for (int i = 0; i < 2; ++i) {
     const ThreadCap cap(i + 1);
-    EditableMesh mesh(testing::scattered_mesh(200, 160, 9, kSeed));
+    EditableMesh mesh(testing::scattered_mesh(200, 160, 9, kOptimiseSeed));
     optimise(mesh, target, {.rounds = 2, .steps = 2});
     for (const KnotIndex k : all_knots(mesh)) positions[i].push_back(mesh.position(k));
   }
@@ -224,7 +219,7 @@ TEST(OptimiseConnectivity, NeverRaisesTheEnergyAndKeepsFixedEdges) {
     flips += optimise_connectivity(c.mesh, c.target, options, faces);
     EXPECT_LE(linear_energy(c.mesh, c.target), before);
     EXPECT_EQ(fixed_edges(c.mesh), edges);
-    expect_sound(c.mesh);
+    testing::expect_sound(c.mesh);
     for (const FaceIndex f : all_faces(c.mesh))
       EXPECT_GE(smallest_angle(c.mesh.triangle(f)), thinnest * (1 - 1e-9));
     // No single flip is left that would help.
@@ -254,7 +249,7 @@ TEST(RemoveSlivers, LeavesNoFreeKnotNearALine) {
     const std::size_t gone = remove_slivers(c.mesh, c.target, options);
     EXPECT_EQ(c.mesh.knot_count(), before - gone);
     removed += gone;
-    expect_sound(c.mesh);
+    testing::expect_sound(c.mesh);
     for (const KnotIndex k : all_knots(c.mesh)) {
       if (c.mesh.knot(k).kind != KnotKind::kFree) continue;
       EXPECT_GE(testing::distance_to_lines(c.mesh, c.mesh.position(k)), options.min_distance) << "knot " << k;
@@ -264,7 +259,7 @@ TEST(RemoveSlivers, LeavesNoFreeKnotNearALine) {
 }
 
 TEST(RemoveSlivers, TakesTheKnotAtTheFlatAngle) {
-  mesh::KnotMesh start = testing::scattered_mesh(100, 80, 30, kSeed);
+  mesh::KnotMesh start = testing::scattered_mesh(100, 80, 30, kOptimiseSeed);
   EditableMesh mesh(start);
   // Next to the middle of a plain edge: the face on the far side of the knot is flat.
   for (const FaceIndex f : all_faces(mesh)) {
@@ -292,11 +287,11 @@ TEST(Optimise, LowersTheEnergyAndTouchesOnlyActiveKnots) {
       EXPECT_EQ(some.position(k), c.mesh.position(k));
     }
     EXPECT_LE(linear_energy(some, c.target), before * (1 + 1e-9));
-    expect_sound(some);
+    testing::expect_sound(some);
     EditableMesh all = c.mesh;
     optimise(all, c.target, {});
     EXPECT_LT(linear_energy(all, c.target), before);
-    expect_sound(all);
+    testing::expect_sound(all);
     EditableMesh none = c.mesh;
     optimise(none, c.target, {.positions = false, .connectivity = false});
     EXPECT_EQ(none.to_mesh().faces, c.mesh.to_mesh().faces);

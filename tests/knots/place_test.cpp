@@ -15,7 +15,7 @@ using mesh::EditableMesh;
 using mesh::KnotIndex;
 using mesh::KnotKind;
 
-constexpr std::uint64_t kSeed = 20261125;
+constexpr std::uint64_t kPlaceSeed = 20261125;
 
 Target target_for(const mesh::KnotMesh& mesh, int channels = 3) {
   return Target(testing::disc(static_cast<int>(mesh.width), static_cast<int>(mesh.height), channels), {});
@@ -52,7 +52,7 @@ TEST(InsertKnots, KnotsAlongAnEdgeTakeMostOfTheErrorAway) {
 }
 
 TEST(InsertKnots, ThereAreAsManyAsAllowedAndNoMore) {
-  const mesh::KnotMesh start = testing::scattered_mesh(100, 80, 25, kSeed);
+  const mesh::KnotMesh start = testing::scattered_mesh(100, 80, 25, kPlaceSeed);
   const Target target = target_for(start);
   for (const std::size_t knots :
        {std::size_t{0}, start.knots.size(), start.knots.size() + 1, std::size_t{90}}) {
@@ -64,7 +64,7 @@ TEST(InsertKnots, ThereAreAsManyAsAllowedAndNoMore) {
 }
 
 TEST(InsertKnots, StopWhenTheErrorIsSmallEnough) {
-  const mesh::KnotMesh start = testing::scattered_mesh(100, 80, 25, kSeed);
+  const mesh::KnotMesh start = testing::scattered_mesh(100, 80, 25, kPlaceSeed);
   const Target target = target_for(start);
   const auto rms = [&](const EditableMesh& mesh) { return std::sqrt(linear_energy(mesh, target) / 8000); };
   EditableMesh mesh(start);
@@ -76,7 +76,7 @@ TEST(InsertKnots, StopWhenTheErrorIsSmallEnough) {
 }
 
 TEST(InsertKnots, NothingIsDoneForAPictureOfOneColour) {
-  EditableMesh mesh(testing::scattered_mesh(60, 40, 20, kSeed));
+  EditableMesh mesh(testing::scattered_mesh(60, 40, 20, kPlaceSeed));
   const Target flat(testing::drawn(60, 40, 3, [](double, double, int) { return 77; }), {});
   EXPECT_EQ(insert_knots(mesh, flat, {.max_knots = 500, .mec = 0.01}), 0u);
 }
@@ -103,7 +103,7 @@ TEST(InsertKnots, KeepTheirDistances) {
 }
 
 TEST(InsertKnots, TheSameKnotsEveryTime) {
-  const mesh::KnotMesh start = testing::scattered_mesh(100, 80, 25, kSeed);
+  const mesh::KnotMesh start = testing::scattered_mesh(100, 80, 25, kPlaceSeed);
   const Target target = target_for(start);
   EditableMesh first(start);
   EditableMesh second(start);
@@ -118,7 +118,7 @@ TEST(InsertKnots, TheSameKnotsEveryTime) {
 
 TEST(InsertKnots, TheFirstKnotGoesToTheCentroidOfTheWorstFace) {
   // One bright dot in an even picture: all errors are around it, in one face.
-  mesh::KnotMesh start = testing::scattered_mesh(100, 80, 25, kSeed);
+  mesh::KnotMesh start = testing::scattered_mesh(100, 80, 25, kPlaceSeed);
   image::Image image = image::make_image(100, 80, 3);
   const Vec2 dot{46.5, 31.5};
   image.at(46, 31, 1) = 250;
@@ -130,7 +130,7 @@ TEST(InsertKnots, TheFirstKnotGoesToTheCentroidOfTheWorstFace) {
 }
 
 TEST(InsertKnots, PixelsWithoutWeightDrawNone) {
-  const mesh::KnotMesh start = testing::scattered_mesh(100, 80, 25, kSeed);
+  const mesh::KnotMesh start = testing::scattered_mesh(100, 80, 25, kPlaceSeed);
   std::vector<float> weights(8000, 1.0F);
   image::Image image = image::make_image(100, 80, 1);
   for (int y = 20; y < 40; ++y) {
@@ -146,7 +146,7 @@ TEST(InsertKnots, PixelsWithoutWeightDrawNone) {
 }
 
 TEST(InsertNear, GoesWhereItIsWanted) {
-  EditableMesh mesh(testing::scattered_mesh(100, 80, 25, kSeed));
+  EditableMesh mesh(testing::scattered_mesh(100, 80, 25, kPlaceSeed));
   for (mesh::FaceIndex f = 0; f < mesh.face_slots(); ++f) {
     const auto t = mesh.triangle(f);
     if (signed_area(t[0], t[1], t[2]) < 50) continue;

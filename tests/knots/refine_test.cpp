@@ -15,7 +15,7 @@ using mesh::EditableMesh;
 using mesh::KnotIndex;
 using mesh::KnotKind;
 
-constexpr std::uint64_t kSeed = 20261127;
+constexpr std::uint64_t kRefineSeed = 20261127;
 constexpr int kWidth = 100;
 constexpr int kHeight = 80;
 
@@ -36,12 +36,7 @@ std::vector<KnotIndex> refine(EditableMesh& mesh, const ErrorPicture& errors,
 }
 
 EditableMesh coarse_mesh() {
-  return EditableMesh(testing::scattered_mesh(kWidth, kHeight, 26, kSeed));
-}
-
-void expect_sound(const EditableMesh& mesh) {
-  const auto defect = find_defect(mesh.to_mesh());
-  EXPECT_FALSE(defect) << *defect;
+  return EditableMesh(testing::scattered_mesh(kWidth, kHeight, 26, kRefineSeed));
 }
 
 /// The middle of some large face with room around it.
@@ -71,7 +66,7 @@ TEST(RefineKnots, KnotsGoWhereTheErrorIs) {
     ASSERT_EQ(knots.size(), 1u);
     const Vec2 middle{std::floor(at.x) + 0.5, std::floor(at.y) + 0.5};
     EXPECT_EQ(mesh.position(knots[0]), middle) << "the two-ring of the middle holds all of the error";
-    expect_sound(mesh);
+    testing::expect_sound(mesh);
   }
 }
 
@@ -150,9 +145,9 @@ TEST(RefineKnots, PlacesOfPixelsSayWhereTheyAre) {
 }
 
 TEST(RefineKnots, AnyErrorsLeaveTheMeshSound) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kRefineSeed);
   auto meshes = knotreel::testing::corpus_cases();
-  for (auto& r : knotreel::testing::random_cases(kSeed, 20)) meshes.push_back(std::move(r));
+  for (auto& r : knotreel::testing::random_cases(kRefineSeed, 20)) meshes.push_back(std::move(r));
   for (const auto& c : meshes) {
     SCOPED_TRACE(c.to_text());
     EditableMesh mesh(c.mesh);
@@ -166,7 +161,7 @@ TEST(RefineKnots, AnyErrorsLeaveTheMeshSound) {
       EXPECT_LE(knots.size(), 30u);
       EXPECT_GT(knots.size() + static_cast<std::size_t>(round), 0u);
       EXPECT_EQ(mesh.knot_count(), before + knots.size());
-      expect_sound(mesh);
+      testing::expect_sound(mesh);
       for (const KnotIndex k : knots) mesh.legalise_around(k);
     }
   }
@@ -194,7 +189,7 @@ TEST_F(RefineFeatures, TwoKnotsGoIntoTheIntervalsThatAreWrong) {
   const double at[] = {10, 40, 50, 60, 70};
   for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(mesh.position(segment[i]).x, at[i], 1e-9);
   for (const KnotIndex k : knots) EXPECT_EQ(mesh.knot(k).kind, KnotKind::kSegment);
-  expect_sound(mesh);
+  testing::expect_sound(mesh);
 }
 
 TEST_F(RefineFeatures, AllIntervalsAtOnce) {
@@ -207,7 +202,7 @@ TEST_F(RefineFeatures, AllIntervalsAtOnce) {
   for (std::size_t i = 0; i < 7; ++i)
     EXPECT_NEAR(mesh.position(mesh.segments()[0].knots[i]).x, first[i], 1e-9);
   EXPECT_EQ(mesh.segments()[1].knots.size(), 8u);
-  expect_sound(mesh);
+  testing::expect_sound(mesh);
 }
 
 TEST_F(RefineFeatures, ShortIntervalsAreLeftAlone) {

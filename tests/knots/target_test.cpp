@@ -15,7 +15,7 @@
 namespace knotreel::knots {
 namespace {
 
-constexpr std::uint64_t kSeed = 20261123;
+constexpr std::uint64_t kTargetSeed = 20261123;
 
 using Triangle = std::array<Vec2, 3>;
 
@@ -100,8 +100,8 @@ TEST(Target, MomentsAreSumsOverThePixelsInside) {
   for (int channels = 1; channels <= 4; ++channels) {
     for (const bool weighted : {false, true}) {
       const image::Image image = test::random_picture(31, 23, channels, 5);
-      const Target target(image, weighted ? random_weights(31 * 23, kSeed) : std::vector<float>{});
-      Triangles triangles(31, 23, kSeed);
+      const Target target(image, weighted ? random_weights(31 * 23, kTargetSeed) : std::vector<float>{});
+      Triangles triangles(31, 23, kTargetSeed);
       for (int i = 0; i < 50; ++i) {
         const Triangle t = triangles.next();
         SCOPED_TRACE(std::to_string(channels) + " channels, triangle " + std::to_string(i));
@@ -148,7 +148,7 @@ void expect_partition(const mesh::KnotMesh& mesh, const Target& target) {
 
 TEST(Target, FacesPartitionThePixels) {
   std::vector<knotreel::testing::MeshCase> cases = knotreel::testing::corpus_cases();
-  for (auto& r : knotreel::testing::random_cases(kSeed, 30)) cases.push_back(std::move(r));
+  for (auto& r : knotreel::testing::random_cases(kTargetSeed, 30)) cases.push_back(std::move(r));
   for (const auto& c : cases) {
     SCOPED_TRACE(c.to_text());
     const image::Image image =
@@ -216,8 +216,8 @@ TEST(Target, FitEqualsADenseSolver) {
   for (int channels = 1; channels <= 4; ++channels) {
     for (const bool weighted : {false, true}) {
       const Target target(test::random_picture(31, 23, channels, 5),
-                          weighted ? random_weights(31 * 23, kSeed) : std::vector<float>{});
-      Triangles triangles(31, 23, kSeed + 1);
+                          weighted ? random_weights(31 * 23, kTargetSeed) : std::vector<float>{});
+      Triangles triangles(31, 23, kTargetSeed + 1);
       for (int i = 0; i < 40; ++i) {
         const Triangle t = triangles.next();
         if (brute_force(target, t).w <= 0) continue;
@@ -244,8 +244,8 @@ TEST(Target, LinearPicturesHaveNoErrorButForTheRidge) {
     const Target target(
         testing::drawn(40, 30, channels,
                        [&](double x, double y, int c) { return 60 + slopes[c][0] * x + slopes[c][1] * y; }),
-        random_weights(40 * 30, kSeed));
-    Triangles triangles(40, 30, kSeed + 2);
+        random_weights(40 * 30, kTargetSeed));
+    Triangles triangles(40, 30, kTargetSeed + 2);
     for (int i = 0; i < 40; ++i) {
       const double error = target.error(triangles.next());
       EXPECT_GE(error, 0);
@@ -257,13 +257,13 @@ TEST(Target, LinearPicturesHaveNoErrorButForTheRidge) {
 
 TEST(Target, PixelsWithoutWeightHaveNoSay) {
   image::Image image = test::random_picture(20, 20, 3, 5);
-  const std::vector<float> weights = random_weights(400, kSeed);
+  const std::vector<float> weights = random_weights(400, kTargetSeed);
   const Target target(image, weights);
   for (std::size_t i = 0; i < weights.size(); ++i) {
     if (weights[i] == 0) image.samples[3 * i + 1] = 1000;
   }
   const Target other(image, weights);
-  Triangles triangles(20, 20, kSeed);
+  Triangles triangles(20, 20, kTargetSeed);
   for (int i = 0; i < 20; ++i) {
     const Triangle t = triangles.next();
     EXPECT_EQ(target.error(t), other.error(t));
@@ -313,9 +313,9 @@ TEST(Target, SquaredErrorIsThatOfTheFit) {
 }
 
 TEST(Target, ChangesToAnotherPictureAsIfMadeAnew) {
-  Triangles triangles(30, 20, kSeed);
+  Triangles triangles(30, 20, kTargetSeed);
   for (const bool weighted : {false, true}) {
-    const std::vector<float> weights = weighted ? random_weights(600, kSeed) : std::vector<float>{};
+    const std::vector<float> weights = weighted ? random_weights(600, kTargetSeed) : std::vector<float>{};
     const image::Image before = test::random_picture(30, 20, 3, 1);
     image::Image now = before;
     for (int y = 5; y < 9; ++y) std::ranges::fill(now.row(y), static_cast<float>(y));

@@ -15,14 +15,14 @@ namespace {
 
 using knotreel::testing::MeshBuilder;
 using knotreel::testing::MeshCase;
-using Edge = std::pair<KnotIndex, KnotIndex>;
+using KnotPair = std::pair<KnotIndex, KnotIndex>;
 
-constexpr std::uint64_t kSeed = 20260606;
+constexpr std::uint64_t kCutMeshSeed = 20260606;
 
-const std::vector<MeshCase>& cases() {
+const std::vector<MeshCase>& cut_cases() {
   static const std::vector<MeshCase> all = [] {
     std::vector<MeshCase> c = knotreel::testing::corpus_cases();
-    for (MeshCase& r : knotreel::testing::random_cases(kSeed, 50)) c.push_back(std::move(r));
+    for (MeshCase& r : knotreel::testing::random_cases(kCutMeshSeed, 50)) c.push_back(std::move(r));
     return c;
   }();
   return all;
@@ -34,13 +34,13 @@ bool on_border(const KnotMesh& mesh, KnotIndex k) {
 }
 
 /// Walls of the cut, each with the index of its line: along segments, and edges of one face.
-std::map<Edge, std::uint32_t> walls(const KnotMesh& mesh) {
-  std::map<Edge, std::uint32_t> result;
+std::map<KnotPair, std::uint32_t> walls(const KnotMesh& mesh) {
+  std::map<KnotPair, std::uint32_t> result;
   for (std::uint32_t s = 0; s < mesh.segments.size(); ++s) {
     const auto& knots = mesh.segments[s].knots;
     for (std::size_t i = 1; i < knots.size(); ++i) result[std::minmax({knots[i - 1], knots[i]})] = s;
   }
-  std::map<Edge, int> faces;
+  std::map<KnotPair, int> faces;
   for (const Face& f : mesh.faces) {
     for (std::size_t i = 0; i < 3; ++i) ++faces[std::minmax({f[i], f[(i + 1) % 3]})];
   }
@@ -107,7 +107,7 @@ TEST(CutMesh, OneCornerPerSectorAtFeatures) {
 }
 
 TEST(CutMesh, CornerCountsFollowFromTheFeatures) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : cut_cases()) {
     const CutMesh cut = cut_open(c.mesh);
     std::vector<std::size_t> ends(c.mesh.knots.size(), 0);
     for (const FeatureSegment& s : c.mesh.segments) {
@@ -131,7 +131,7 @@ TEST(CutMesh, CornerCountsFollowFromTheFeatures) {
 }
 
 TEST(CutMesh, FacesKeepTheirOrderAndRotation) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : cut_cases()) {
     const CutMesh cut = cut_open(c.mesh);
     ASSERT_EQ(cut.faces.size(), c.mesh.faces.size());
     for (std::size_t f = 0; f < cut.faces.size(); ++f) {
@@ -143,7 +143,7 @@ TEST(CutMesh, FacesKeepTheirOrderAndRotation) {
 }
 
 TEST(CutMesh, CornersAreNumberedByKnotThenByFirstFace) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : cut_cases()) {
     const CutMesh cut = cut_open(c.mesh);
     std::vector<std::size_t> first_face(cut.corners.size(), cut.faces.size());
     for (std::size_t f = cut.faces.size(); f-- > 0;) {
@@ -158,7 +158,7 @@ TEST(CutMesh, CornersAreNumberedByKnotThenByFirstFace) {
 }
 
 TEST(CutMesh, FacesShareEdgesExactlyWhereNoWallIs) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : cut_cases()) {
     const CutMesh cut = cut_open(c.mesh);
     const auto wall = walls(c.mesh);
     std::map<std::pair<CornerIndex, CornerIndex>, int> faces;
@@ -166,14 +166,14 @@ TEST(CutMesh, FacesShareEdgesExactlyWhereNoWallIs) {
       for (std::size_t i = 0; i < 3; ++i) ++faces[std::minmax({f[i], f[(i + 1) % 3]})];
     }
     for (const auto& [edge, count] : faces) {
-      const Edge knots = std::minmax({cut.corners[edge.first].knot, cut.corners[edge.second].knot});
+      const KnotPair knots = std::minmax({cut.corners[edge.first].knot, cut.corners[edge.second].knot});
       EXPECT_EQ(count, wall.contains(knots) ? 1 : 2) << c.to_text();
     }
   }
 }
 
 TEST(CutMesh, FansGoRoundTheirCornersFaceByFace) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : cut_cases()) {
     SCOPED_TRACE(c.name);
     const CutMesh cut = cut_open(c.mesh);
     std::set<std::array<CornerIndex, 3>> faces;
@@ -198,7 +198,7 @@ TEST(CutMesh, FansGoRoundTheirCornersFaceByFace) {
 }
 
 TEST(CutMesh, OpenFansRunFromCutLineToCutLine) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : cut_cases()) {
     SCOPED_TRACE(c.name);
     const CutMesh cut = cut_open(c.mesh);
     const auto wall = walls(c.mesh);
@@ -227,7 +227,7 @@ TEST(CutMesh, OpenFansRunFromCutLineToCutLine) {
 }
 
 TEST(CutMesh, LinesAreTheSegmentsAndThenTheFourSides) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : cut_cases()) {
     const CutMesh cut = cut_open(c.mesh);
     const std::size_t n = c.mesh.segments.size();
     ASSERT_EQ(cut.lines.size(), n + 4);
@@ -244,7 +244,7 @@ TEST(CutMesh, LinesAreTheSegmentsAndThenTheFourSides) {
 }
 
 TEST(CutMesh, RefusesFacesThatDoNotJoin) {
-  KnotMesh mesh = cases().front().mesh;
+  KnotMesh mesh = cut_cases().front().mesh;
   mesh.faces.push_back(mesh.faces.front());
   EXPECT_THROW(cut_open(mesh), Error);
 }

@@ -7,6 +7,7 @@
 #include <set>
 
 #include "knotreel/base/error.h"
+#include "mesh/canonical.h"
 #include "support/mesh_cases.h"
 #include "support/mesh_edits.h"
 
@@ -19,21 +20,15 @@ using knotreel::testing::MeshCase;
 using knotreel::testing::MeshEdits;
 using Edge = EditableMesh::Edge;
 
-constexpr std::uint64_t kSeed = 20261121;
+constexpr std::uint64_t kEditableMeshSeed = 20261121;
 
-const std::vector<MeshCase>& cases() {
+const std::vector<MeshCase>& edit_cases() {
   static const std::vector<MeshCase> all = [] {
     std::vector<MeshCase> c = knotreel::testing::corpus_cases();
-    for (MeshCase& r : knotreel::testing::random_cases(kSeed, 20)) c.push_back(std::move(r));
+    for (MeshCase& r : knotreel::testing::random_cases(kEditableMeshSeed, 20)) c.push_back(std::move(r));
     return c;
   }();
   return all;
-}
-
-std::vector<Face> canonical(std::vector<Face> faces) {
-  for (Face& f : faces) std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
-  std::sort(faces.begin(), faces.end());
-  return faces;
 }
 
 std::vector<Vec2> positions(const KnotMesh& mesh) {
@@ -48,7 +43,7 @@ void expect_sound(const EditableMesh& mesh, const std::string& what) {
 }
 
 TEST(EditableMesh, ComesBackAsItWas) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : edit_cases()) {
     const KnotMesh back = EditableMesh(c.mesh).to_mesh();
     EXPECT_EQ(back.faces, canonical(c.mesh.faces)) << c.to_text();
     EXPECT_EQ(positions(back), positions(c.mesh));
@@ -60,7 +55,7 @@ TEST(EditableMesh, ComesBackAsItWas) {
 }
 
 TEST(EditableMesh, KnowsTheFixedEdges) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : edit_cases()) {
     const EditableMesh mesh(c.mesh);
     std::map<std::pair<KnotIndex, KnotIndex>, std::uint32_t> segment_of;
     for (std::uint32_t s = 0; s < c.mesh.segments.size(); ++s) {
@@ -80,7 +75,7 @@ TEST(EditableMesh, KnowsTheFixedEdges) {
 }
 
 TEST(EditableMesh, FlippingTwiceChangesNothing) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : edit_cases()) {
     SCOPED_TRACE(c.to_text());
     EditableMesh mesh(c.mesh);
     const std::vector<Face> before = mesh.to_mesh().faces;
@@ -101,7 +96,7 @@ TEST(EditableMesh, FlippingTwiceChangesNothing) {
 }
 
 TEST(EditableMesh, EdgesMayFlipExactlyInConvexQuadrilateralsOffTheFeatures) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : edit_cases()) {
     EditableMesh mesh(c.mesh);
     for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
       for (int i = 0; i < 3; ++i) {
@@ -126,10 +121,10 @@ TEST(EditableMesh, EdgesMayFlipExactlyInConvexQuadrilateralsOffTheFeatures) {
 }
 
 TEST(EditableMesh, InsertingInAFaceAndRemovingRestoresTheMesh) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : edit_cases()) {
     SCOPED_TRACE(c.to_text());
     EditableMesh mesh(c.mesh);
-    MeshEdits edits(mesh, kSeed);
+    MeshEdits edits(mesh, kEditableMeshSeed);
     const std::vector<Face> faces = mesh.to_mesh().faces;
     for (int i = 0; i < 10; ++i) {
       const KnotIndex k = edits.insert_in_some_face();
@@ -146,10 +141,10 @@ TEST(EditableMesh, InsertingInAFaceAndRemovingRestoresTheMesh) {
 }
 
 TEST(EditableMesh, KnotsThatWereMadeDelaunayCanBeRemovedAgain) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : edit_cases()) {
     SCOPED_TRACE(c.to_text());
     EditableMesh mesh(c.mesh);
-    MeshEdits edits(mesh, kSeed + 1);
+    MeshEdits edits(mesh, kEditableMeshSeed + 1);
     for (int i = 0; i < 10; ++i) {
       const KnotIndex k = edits.insert_in_some_face();
       if (k == kNoKnot) continue;
@@ -162,7 +157,7 @@ TEST(EditableMesh, KnotsThatWereMadeDelaunayCanBeRemovedAgain) {
 }
 
 TEST(EditableMesh, InsertingOnTheBorderAndRemovingRestoresTheMesh) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : edit_cases()) {
     SCOPED_TRACE(c.to_text());
     EditableMesh mesh(c.mesh);
     const std::vector<Face> faces = mesh.to_mesh().faces;
@@ -185,7 +180,7 @@ TEST(EditableMesh, InsertingOnTheBorderAndRemovingRestoresTheMesh) {
 
 TEST(EditableMesh, KnotsOnTheBorderThatWereMadeDelaunayCanBeRemovedAgain) {
   std::size_t removed = 0;
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : edit_cases()) {
     SCOPED_TRACE(c.to_text());
     EditableMesh mesh(c.mesh);
     for (KnotIndex k = 0; k < c.mesh.knots.size(); ++k) mesh.legalise_around(k);
@@ -202,7 +197,7 @@ TEST(EditableMesh, KnotsOnTheBorderThatWereMadeDelaunayCanBeRemovedAgain) {
 }
 
 TEST(EditableMesh, KnotsOfFeaturesCannotBeRemoved) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : edit_cases()) {
     EditableMesh mesh(c.mesh);
     for (KnotIndex k = 0; k < mesh.knot_slots(); ++k) {
       if (mesh.knot(k).kind == KnotKind::kFree || mesh.knot(k).kind == KnotKind::kBorder) continue;
@@ -221,10 +216,10 @@ std::vector<Face> faces_in_their_places(const EditableMesh& mesh) {
 /// A knot on the line of two neighbours may be left with four neighbours that no flip takes away.
 TEST(EditableMesh, WhatCannotBeRemovedLeavesTheMeshAsItWas) {
   std::size_t failed = 0;
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : edit_cases()) {
     SCOPED_TRACE(c.to_text());
     EditableMesh mesh(c.mesh);
-    MeshEdits edits(mesh, kSeed + 2);
+    MeshEdits edits(mesh, kEditableMeshSeed + 2);
     for (int i = 0; i < 40; ++i) {
       edits.insert_on_some_edge();
       edits.flip_some_edge();
@@ -243,12 +238,12 @@ TEST(EditableMesh, WhatCannotBeRemovedLeavesTheMeshAsItWas) {
 }
 
 TEST(EditableMesh, KnotsOnEdgesHaveTheKindOfTheEdge) {
-  for (const MeshCase& c : cases()) {
+  for (const MeshCase& c : edit_cases()) {
     SCOPED_TRACE(c.to_text());
     for (FaceIndex f = 0; f < c.mesh.faces.size(); ++f) {
       for (int i = 0; i < 3; ++i) {
         EditableMesh mesh(c.mesh);
-        MeshEdits edits(mesh, kSeed + f);
+        MeshEdits edits(mesh, kEditableMeshSeed + f);
         const bool border = mesh.neighbour(f, i) == kNoFace;
         const std::uint32_t s = mesh.segment(f, i);
         const KnotIndex k = edits.insert_on({f, i});
@@ -319,7 +314,7 @@ TEST(EditableMesh, RefusedMovesChangeNothing) {
 }
 
 TEST(EditableMesh, RefusesFacesThatDoNotJoinAndEdgesThatAreNone) {
-  KnotMesh mesh = cases().front().mesh;
+  KnotMesh mesh = edit_cases().front().mesh;
   MeshBuilder b(100, 80);
   b.border(50, 0);
   const EditableMesh sound(b.triangulated());

@@ -19,11 +19,11 @@ using knotreel::testing::MeshCase;
 using knotreel::testing::MeshEdits;
 using Edge = EditableMesh::Edge;
 
-constexpr std::uint64_t kSeed = 20261122;
+constexpr std::uint64_t kEditingSeed = 20261122;
 
 std::vector<MeshCase> cases(int random_count) {
   std::vector<MeshCase> c = knotreel::testing::corpus_cases();
-  for (MeshCase& r : knotreel::testing::random_cases(kSeed, random_count)) c.push_back(std::move(r));
+  for (MeshCase& r : knotreel::testing::random_cases(kEditingSeed, random_count)) c.push_back(std::move(r));
   return c;
 }
 
@@ -100,7 +100,7 @@ void check_segments(const EditableMesh& mesh, const KnotMesh& start) {
 }
 
 TEST(Editing, AnySequenceOfEditsKeepsTheMeshSound) {
-  std::uint64_t seed = kSeed;
+  std::uint64_t seed = kEditingSeed;
   for (const MeshCase& c : cases(30)) {
     SCOPED_TRACE("seed " + std::to_string(++seed) + '\n' + c.to_text());
     EditableMesh mesh(c.mesh);
@@ -133,11 +133,11 @@ TEST(Editing, MeshesCanBeTakenUpAgain) {
   for (const MeshCase& c : cases(5)) {
     SCOPED_TRACE(c.to_text());
     EditableMesh mesh(c.mesh);
-    MeshEdits edits(mesh, kSeed);
+    MeshEdits edits(mesh, kEditingSeed);
     for (int i = 0; i < 30; ++i) edits.step();
     const KnotMesh saved = mesh.to_mesh();
     EditableMesh again(saved);
-    MeshEdits more(again, kSeed + 1);
+    MeshEdits more(again, kEditingSeed + 1);
     for (int i = 0; i < 30; ++i) more.step();
     const auto defect = find_defect(again.to_mesh());
     EXPECT_FALSE(defect) << *defect;
@@ -165,7 +165,7 @@ Delaunay check_delaunay(const EditableMesh& mesh) {
 
 TEST(Editing, InsertedKnotsBecomeDelaunay) {
   int compared = 0;
-  std::uint64_t seed = kSeed;
+  std::uint64_t seed = kEditingSeed;
   for (const MeshCase& c : cases(60)) {
     SCOPED_TRACE("seed " + std::to_string(++seed) + '\n' + c.to_text());
     EditableMesh mesh(c.mesh);
@@ -193,7 +193,7 @@ TEST(Editing, WithoutFeaturesNoKnotIsInsideTheCircleOfAFace) {
   MeshCase c{"plain", make_domain(100, 80)};
   triangulate(c.mesh);
   EditableMesh mesh(c.mesh);
-  MeshEdits edits(mesh, kSeed);
+  MeshEdits edits(mesh, kEditingSeed);
   while (mesh.knot_count() < 150) {
     const KnotIndex k = edits.insert_in_some_face();
     if (k != kNoKnot) mesh.legalise_around(k);

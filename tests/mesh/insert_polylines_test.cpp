@@ -10,7 +10,7 @@
 namespace knotreel::mesh {
 namespace {
 
-constexpr std::uint64_t kSeed = 20261121;
+constexpr std::uint64_t kInsertPolylinesSeed = 20261121;
 
 std::vector<Vec2> random_walk(const KnotMesh& mesh, std::mt19937_64& random) {
   const auto uniform = [&](double from, double to) {
@@ -38,9 +38,9 @@ double distance_to_line(Vec2 p, const std::vector<Vec2>& line) {
 }
 
 TEST(InsertPolylines, MeshesStaySoundAndHoldThem) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kInsertPolylinesSeed);
   std::size_t taken = 0;
-  for (const auto& c : knotreel::testing::random_cases(kSeed, 150)) {
+  for (const auto& c : knotreel::testing::random_cases(kInsertPolylinesSeed, 150)) {
     SCOPED_TRACE(c.name + "\n" + c.to_text());
     std::vector<std::vector<Vec2>> lines;
     for (int i = 0; i < 6; ++i) lines.push_back(random_walk(c.mesh, random));

@@ -18,7 +18,7 @@ namespace {
 using knotreel::testing::MeshBuilder;
 using knotreel::testing::MeshCase;
 
-constexpr std::uint64_t kSeed = 20260404;
+constexpr std::uint64_t kKnotMeshSeed = 20260404;
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
@@ -263,7 +263,7 @@ TEST_P(Defect, IsFoundAndNamed) {
 
 TEST(KnotMesh, CorpusAndRandomMeshesAreSound) {
   std::vector<MeshCase> cases = knotreel::testing::corpus_cases();
-  for (MeshCase& c : knotreel::testing::random_cases(kSeed, 50)) cases.push_back(std::move(c));
+  for (MeshCase& c : knotreel::testing::random_cases(kKnotMeshSeed, 50)) cases.push_back(std::move(c));
   for (const MeshCase& c : cases) {
     EXPECT_EQ(find_topological_defect(c.mesh), std::nullopt) << c.to_text();
     EXPECT_EQ(find_defect(c.mesh), std::nullopt) << c.to_text();
@@ -364,9 +364,9 @@ void damage(KnotMesh& mesh, std::mt19937_64& random) {
 }
 
 TEST(KnotMesh, RandomEditsNeverCrash) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kKnotMeshSeed);
   std::vector<MeshCase> cases = knotreel::testing::corpus_cases();
-  for (MeshCase& c : knotreel::testing::random_cases(kSeed, 50)) cases.push_back(std::move(c));
+  for (MeshCase& c : knotreel::testing::random_cases(kKnotMeshSeed, 50)) cases.push_back(std::move(c));
   int still_sound = 0;
   for (const MeshCase& c : cases) {
     for (int i = 0; i < 40; ++i) {

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "knotreel/base/error.h"
+#include "mesh/canonical.h"
 #include "support/mesh_cases.h"
 
 namespace knotreel::mesh {
@@ -18,24 +19,24 @@ namespace {
 
 using knotreel::testing::MeshBuilder;
 using knotreel::testing::MeshCase;
-using Edge = std::pair<KnotIndex, KnotIndex>;
+using KnotPair = std::pair<KnotIndex, KnotIndex>;
 
-constexpr std::uint64_t kSeed = 20260505;
+constexpr std::uint64_t kTriangulateSeed = 20260505;
 // Relative to the fourth power of the size: what rounding makes of the in-circle determinant.
 constexpr double kInCircleTolerance = 1e-12;
 
 std::vector<MeshCase> cases() {
   std::vector<MeshCase> all = knotreel::testing::corpus_cases();
-  for (MeshCase& c : knotreel::testing::random_cases(kSeed, 50)) all.push_back(std::move(c));
+  for (MeshCase& c : knotreel::testing::random_cases(kTriangulateSeed, 50)) all.push_back(std::move(c));
   return all;
 }
 
-Edge edge_key(KnotIndex a, KnotIndex b) {
+KnotPair edge_key(KnotIndex a, KnotIndex b) {
   return std::minmax({a, b});
 }
 
-std::set<Edge> segment_edges(const KnotMesh& mesh) {
-  std::set<Edge> edges;
+std::set<KnotPair> segment_edges(const KnotMesh& mesh) {
+  std::set<KnotPair> edges;
   for (const FeatureSegment& s : mesh.segments) {
     for (std::size_t i = 1; i < s.knots.size(); ++i) edges.insert(edge_key(s.knots[i - 1], s.knots[i]));
   }
@@ -43,8 +44,8 @@ std::set<Edge> segment_edges(const KnotMesh& mesh) {
 }
 
 /// Knots opposite each edge.
-std::map<Edge, std::vector<KnotIndex>> apexes(const KnotMesh& mesh) {
-  std::map<Edge, std::vector<KnotIndex>> result;
+std::map<KnotPair, std::vector<KnotIndex>> apexes(const KnotMesh& mesh) {
+  std::map<KnotPair, std::vector<KnotIndex>> result;
   for (const Face& f : mesh.faces) {
     for (std::size_t i = 0; i < 3; ++i) result[edge_key(f[i], f[(i + 1) % 3])].push_back(f[(i + 2) % 3]);
   }
@@ -52,7 +53,7 @@ std::map<Edge, std::vector<KnotIndex>> apexes(const KnotMesh& mesh) {
 }
 
 /// Positive if d lies inside the circle through a, b, c (in positive order), relative to the size.
-double in_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
+double circle_value(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
   const Vec2 p = a - d;
   const Vec2 q = b - d;
   const Vec2 r = c - d;
@@ -62,7 +63,7 @@ double in_circle(Vec2 a, Vec2 b, Vec2 c, Vec2 d) {
 
 /// In-circle values of all edges that the triangulation was free to flip.
 std::vector<double> delaunay_values(const KnotMesh& mesh) {
-  const std::set<Edge> constrained = segment_edges(mesh);
+  const std::set<KnotPair> constrained = segment_edges(mesh);
   std::vector<double> values;
   for (const auto& [edge, apex] : apexes(mesh)) {
     if (apex.size() != 2 || constrained.contains(edge)) continue;
@@ -70,16 +71,9 @@ std::vector<double> delaunay_values(const KnotMesh& mesh) {
     Vec2 a = at(edge.first);
     Vec2 b = at(edge.second);
     if (signed_area(a, b, at(apex[0])) < 0) std::swap(a, b);
-    values.push_back(in_circle(a, b, at(apex[0]), at(apex[1])));
+    values.push_back(circle_value(a, b, at(apex[0]), at(apex[1])));
   }
   return values;
-}
-
-/// Faces that begin with their smallest knot, sorted.
-std::vector<Face> canonical(std::vector<Face> faces) {
-  for (Face& f : faces) std::rotate(f.begin(), std::min_element(f.begin(), f.end()), f.end());
-  std::sort(faces.begin(), faces.end());
-  return faces;
 }
 
 void expect_refused(KnotMesh mesh, const char* message) {
@@ -95,7 +89,7 @@ void expect_refused(KnotMesh mesh, const char* message) {
 TEST(Triangulate, ConstraintsAreEdges) {
   for (const MeshCase& c : cases()) {
     const auto edges = apexes(c.mesh);
-    for (const Edge& e : segment_edges(c.mesh)) {
+    for (const KnotPair& e : segment_edges(c.mesh)) {
       const auto it = edges.find(e);
       ASSERT_NE(it, edges.end()) << c.to_text();
       EXPECT_EQ(it->second.size(), 2u);
@@ -128,7 +122,7 @@ TEST(Triangulate, EqualInputGivesEqualFaces) {
 }
 
 TEST(Triangulate, TheOrderOfTheKnotsDoesNotMatterInGeneralPosition) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kTriangulateSeed);
   int compared = 0;
   for (const MeshCase& c : cases()) {
     const std::vector<double> values = delaunay_values(c.mesh);

@@ -16,8 +16,8 @@ using testing::in_other_light;
 using testing::moved_texture;
 using testing::with_noise;
 
-constexpr int kWidth = 192;
-constexpr int kHeight = 128;
+constexpr int kCutWidth = 192;
+constexpr int kCutHeight = 128;
 
 double change(const Image& before, const Image& now) {
   const Luma from = luma_of(before);
@@ -26,7 +26,7 @@ double change(const Image& before, const Image& now) {
 }
 
 Image scene(Vec2 d = {}, unsigned seed = 1) {
-  return moved_texture(kWidth, kHeight, d, seed);
+  return moved_texture(kCutWidth, kCutHeight, d, seed);
 }
 
 TEST(IsCut, FiresOnAnotherScene) {
@@ -37,7 +37,7 @@ TEST(IsCut, FiresOnAnotherScene) {
 }
 
 TEST(IsCut, FiresOnAPictureOutOfBlackAndBack) {
-  const Image black = draw(kWidth, kHeight, [](Vec2) { return 0.0; });
+  const Image black = draw(kCutWidth, kCutHeight, [](Vec2) { return 0.0; });
   EXPECT_TRUE(is_cut(change(black, scene())));
   EXPECT_TRUE(is_cut(change(scene(), black)));
 }
@@ -87,7 +87,7 @@ TEST(IsCut, HoldsInAFlash) {
 
 TEST(IsCut, HoldsInNoise) {
   EXPECT_FALSE(is_cut(change(with_noise(scene(), 20, 1), with_noise(scene(), 20, 2))));
-  const Image dark = draw(kWidth, kHeight, [](Vec2) { return 25.0; });
+  const Image dark = draw(kCutWidth, kCutHeight, [](Vec2) { return 25.0; });
   EXPECT_FALSE(is_cut(change(with_noise(dark, 6, 1), with_noise(dark, 6, 2))));
 }
 

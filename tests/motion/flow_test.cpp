@@ -16,16 +16,16 @@ using testing::draw;
 using testing::moved_texture;
 using testing::Texture;
 
-constexpr int kWidth = 192;
-constexpr int kHeight = 128;
-constexpr int kMargin = 16;  // what comes in at the border cannot be known
+constexpr int kFlowWidth = 192;
+constexpr int kFlowHeight = 128;
+constexpr int kFlowMargin = 16;  // what comes in at the border cannot be known
 
 /// Median distance, over the pixels away from the border, of a flow from the true one.
 template <typename Truth>
 double median_error(const Flow& flow, const Truth& truth) {
   std::vector<double> errors;
-  for (int y = kMargin; y < flow.height - kMargin; ++y) {
-    for (int x = kMargin; x < flow.width - kMargin; ++x) {
+  for (int y = kFlowMargin; y < flow.height - kFlowMargin; ++y) {
+    for (int x = kFlowMargin; x < flow.width - kFlowMargin; ++x) {
       const Vec2 p{x + 0.5, y + 0.5};
       errors.push_back(norm(flow.at(p) - truth(p)));
     }
@@ -51,22 +51,23 @@ class EveryEffort : public ::testing::TestWithParam<Effort> {};
 
 TEST_P(EveryEffort, FindsTranslations) {
   for (const Vec2 d : {Vec2{0, 0}, Vec2{1, 0}, Vec2{0.5, -0.25}, Vec2{-3.3, 2.1}, Vec2{8, -5}}) {
-    const Flow flow =
-        find_flow(moved_texture(kWidth, kHeight, {}), moved_texture(kWidth, kHeight, d), {GetParam()});
+    const Flow flow = find_flow(moved_texture(kFlowWidth, kFlowHeight, {}),
+                                moved_texture(kFlowWidth, kFlowHeight, d), {GetParam()});
     EXPECT_LT(median_error(flow, [d](Vec2) { return d; }), allowed(GetParam())) << d.x << ", " << d.y;
   }
 }
 
 TEST_P(EveryEffort, FindsARotation) {
   const Texture texture;
-  const Vec2 centre{kWidth / 2.0, kHeight / 2.0};
+  const Vec2 centre{kFlowWidth / 2.0, kFlowHeight / 2.0};
   const double angle = 0.04;
   const auto turned = [&](Vec2 p, double by) {
     const Vec2 d = p - centre;
     return centre + Vec2{std::cos(by) * d.x - std::sin(by) * d.y, std::sin(by) * d.x + std::cos(by) * d.y};
   };
   const auto after = [&](Vec2 p) { return texture(turned(p, -angle)); };
-  const Flow flow = find_flow(draw(kWidth, kHeight, texture), draw(kWidth, kHeight, after), {GetParam()});
+  const Flow flow =
+      find_flow(draw(kFlowWidth, kFlowHeight, texture), draw(kFlowWidth, kFlowHeight, after), {GetParam()});
   EXPECT_LT(median_error(flow, [&](Vec2 p) { return turned(p, angle) - p; }), allowed(GetParam()));
 }
 
@@ -150,7 +151,7 @@ TEST(Consistent, RejectsWhatAPatchCovers) {
   const Texture background(1);
   const Texture patch(2);
   const auto scene = [&](double left) {
-    return draw(kWidth, kHeight, [&](Vec2 p) {
+    return draw(kFlowWidth, kFlowHeight, [&](Vec2 p) {
       const bool in = p.x > left && p.x < left + 60 && p.y > 30 && p.y < 100;
       return in ? patch(p - Vec2{left, 0}) : background(p);
     });
@@ -159,7 +160,7 @@ TEST(Consistent, RejectsWhatAPatchCovers) {
   const auto mean_in = [&](int left, int right) {
     int sum = 0;
     for (int y = 45; y < 85; ++y) {
-      for (int x = left; x < right; ++x) sum += pair.consistent[std::size_t(y * kWidth + x)];
+      for (int x = left; x < right; ++x) sum += pair.consistent[std::size_t(y * kFlowWidth + x)];
     }
     return double(sum) / (40 * (right - left));
   };
@@ -188,7 +189,7 @@ TEST(TurnRound, TakesTheExactWayWhereItIsFoundAgain) {
 TEST(FlowPair, TheWayBackIsAsExactAsTheWayThere) {
   const Texture texture;
   const auto grown = [&](double by) {
-    return draw(kWidth, kHeight, [&](Vec2 p) { return texture(by * (p - Vec2{96, 64})); });
+    return draw(kFlowWidth, kFlowHeight, [&](Vec2 p) { return texture(by * (p - Vec2{96, 64})); });
   };
   const double growth = 1.05;
   for (const Effort effort : {Effort::kFast, Effort::kMedium}) {

@@ -12,14 +12,14 @@ namespace {
 
 using namespace testing;
 
-constexpr int kWidth = 160;
-constexpr int kHeight = 120;
+constexpr int kRefineMotionWidth = 160;
+constexpr int kRefineMotionHeight = 120;
 
 /// Points all over a picture and a little beside it.
 std::vector<Vec2> points(std::size_t count, unsigned seed = 3) {
   std::mt19937 random(seed);
-  std::uniform_real_distribution<double> x(-3, kWidth + 3);
-  std::uniform_real_distribution<double> y(-3, kHeight + 3);
+  std::uniform_real_distribution<double> x(-3, kRefineMotionWidth + 3);
+  std::uniform_real_distribution<double> y(-3, kRefineMotionHeight + 3);
   std::vector<Vec2> result;
   for (std::size_t i = 0; i < count; ++i) result.push_back({x(random), y(random)});
   return result;
@@ -42,10 +42,13 @@ std::vector<double> errors(const std::vector<Vec2>& motions, Vec2 truth) {
 
 TEST(RefineMotion, MakesTranslationsExact) {
   for (const Vec2 truth : {Vec2{0.4, -0.3}, Vec2{2.3, -1.6}, Vec2{-6.5, 4.2}}) {
-    const Luma from = luma_of(moved_texture(kWidth, kHeight, {}));
-    const Luma to = luma_of(in_other_light(moved_texture(kWidth, kHeight, truth), 1, 7));
+    const Luma from = luma_of(moved_texture(kRefineMotionWidth, kRefineMotionHeight, {}));
+    const Luma to =
+        luma_of(in_other_light(moved_texture(kRefineMotionWidth, kRefineMotionHeight, truth), 1, 7));
     std::vector<Vec2> at = points(400);
-    std::erase_if(at, [](Vec2 p) { return p.x < 16 || p.y < 16 || p.x > kWidth - 16 || p.y > kHeight - 16; });
+    std::erase_if(at, [](Vec2 p) {
+      return p.x < 16 || p.y < 16 || p.x > kRefineMotionWidth - 16 || p.y > kRefineMotionHeight - 16;
+    });
     std::vector<Vec2> motions = near(truth, 0.4, at.size());
     const double before = median(errors(motions, truth));
     refine_motion(at, motions, from, to, {.stiffness = 4});
@@ -54,8 +57,9 @@ TEST(RefineMotion, MakesTranslationsExact) {
 }
 
 TEST(RefineMotion, IsWhatTheReferenceSays) {
-  const Luma from = luma_of(with_noise(moved_texture(kWidth, kHeight, {}), 3, 1));
-  const Luma to = luma_of(with_noise(moved_texture(kWidth, kHeight, {1.7, -2.2}), 3, 2));
+  const Luma from = luma_of(with_noise(moved_texture(kRefineMotionWidth, kRefineMotionHeight, {}), 3, 1));
+  const Luma to =
+      luma_of(with_noise(moved_texture(kRefineMotionWidth, kRefineMotionHeight, {1.7, -2.2}), 3, 2));
   const std::vector<Vec2> at = points(500);
   const std::vector<Vec2> start = near({1.7, -2.2}, 0.5, at.size());
   for (const RefineMotionOptions& options : {RefineMotionOptions{}, RefineMotionOptions{.steps = 1},
@@ -78,7 +82,8 @@ TEST(RefineMotion, IsWhatTheReferenceSays) {
 
 TEST(RefineMotion, LeavesWhatTheTextureDoesNotTell) {
   const auto stripes = [](double shift) {
-    return luma_of(draw(kWidth, kHeight, [&](Vec2 p) { return 120 + 80 * std::sin(0.5 * (p.x - shift)); }));
+    return luma_of(draw(kRefineMotionWidth, kRefineMotionHeight,
+                        [&](Vec2 p) { return 120 + 80 * std::sin(0.5 * (p.x - shift)); }));
   };
   const std::vector<Vec2> at = points(100);
   std::vector<Vec2> motions(at.size(), {0.7, 0.3});
@@ -90,15 +95,16 @@ TEST(RefineMotion, LeavesWhatTheTextureDoesNotTell) {
   }
   EXPECT_LT(median(along), 0.05);
 
-  const Luma flat{kWidth, kHeight, std::vector<std::uint8_t>(std::size_t{kWidth} * kHeight, 80)};
+  const Luma flat{kRefineMotionWidth, kRefineMotionHeight,
+                  std::vector<std::uint8_t>(std::size_t{kRefineMotionWidth} * kRefineMotionHeight, 80)};
   std::vector<Vec2> still(at.size(), {0.7, 0.3});
   refine_motion(at, still, flat, flat);
   EXPECT_EQ(still, std::vector<Vec2>(at.size(), {0.7, 0.3}));
 }
 
 TEST(RefineMotion, LeavesWhatDoesNotMove) {
-  const Luma from = luma_of(moved_texture(kWidth, kHeight, {}));
-  const Luma to = luma_of(moved_texture(kWidth, kHeight, {0.5, 0.2}));
+  const Luma from = luma_of(moved_texture(kRefineMotionWidth, kRefineMotionHeight, {}));
+  const Luma to = luma_of(moved_texture(kRefineMotionWidth, kRefineMotionHeight, {0.5, 0.2}));
   const std::vector<Vec2> at = points(50);
   std::vector<Vec2> motions(at.size());
   refine_motion(at, motions, from, to);

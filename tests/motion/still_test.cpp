@@ -16,13 +16,13 @@ using testing::moved_texture;
 using testing::Texture;
 using testing::with_noise;
 
-constexpr int kWidth = 160;
-constexpr int kHeight = 120;
+constexpr int kStillWidth = 160;
+constexpr int kStillHeight = 120;
 
 std::vector<Vec2> grid() {
   std::vector<Vec2> points;
-  for (int y = 4; y < kHeight; y += 6) {
-    for (int x = 4; x < kWidth; x += 6) points.push_back({double(x), double(y)});
+  for (int y = 4; y < kStillHeight; y += 6) {
+    for (int x = 4; x < kStillWidth; x += 6) points.push_back({double(x), double(y)});
   }
   return points;
 }
@@ -47,7 +47,7 @@ double share(const std::vector<Stillness>& stillness) {
 class StaticNoise : public ::testing::TestWithParam<double> {};
 
 TEST_P(StaticNoise, DoesNotMove) {
-  const image::Image scene = moved_texture(kWidth, kHeight, {});
+  const image::Image scene = moved_texture(kStillWidth, kStillHeight, {});
   const double sigma = GetParam();
   EXPECT_GT(share(still_grid(with_noise(scene, sigma, 1), with_noise(scene, sigma, 2))), 0.99);
 }
@@ -55,14 +55,14 @@ TEST_P(StaticNoise, DoesNotMove) {
 INSTANTIATE_TEST_SUITE_P(Some, StaticNoise, ::testing::Values(0.0, 2.0, 5.0, 10.0));
 
 TEST(StillPoints, NoiseOnNothingDoesNotMove) {
-  const image::Image flat = draw(kWidth, kHeight, [](Vec2) { return 128.0; });
+  const image::Image flat = draw(kStillWidth, kStillHeight, [](Vec2) { return 128.0; });
   EXPECT_GT(share(still_grid(with_noise(flat, 5, 1), with_noise(flat, 5, 2))), 0.99);
   EXPECT_GT(share(still_grid(with_noise(flat, 8, 1), with_noise(flat, 8, 2))), 0.9);
 }
 
 TEST(StillPoints, AMovingCameraMovesEverything) {
-  const image::Image from = with_noise(moved_texture(kWidth, kHeight, {}), 3, 1);
-  const image::Image to = with_noise(moved_texture(kWidth, kHeight, {2, 1}), 3, 2);
+  const image::Image from = with_noise(moved_texture(kStillWidth, kStillHeight, {}), 3, 1);
+  const image::Image to = with_noise(moved_texture(kStillWidth, kStillHeight, {2, 1}), 3, 2);
   EXPECT_LT(share(still_grid(from, to)), 0.05);
 }
 
@@ -74,7 +74,7 @@ TEST(StillPoints, OnlyAMovedPatchMoves) {
       const Vec2 q = p - d;
       return q.x > 50 && q.x < 110 && q.y > 40 && q.y < 90 ? patch(q) : background(p);
     };
-    return with_noise(draw(kWidth, kHeight, value), 2, seed);
+    return with_noise(draw(kStillWidth, kStillHeight, value), 2, seed);
   };
   const auto still = still_grid(scene({}, 1), scene({3, 1}, 2));
   const std::vector<Vec2> points = grid();

@@ -70,9 +70,9 @@ TEST(Threads, TheirNumberDoesNotShow) {
 TEST(Threads, ThoseOfOpenCvDoNotShowEither) {
   const Luma from = luma_of(with_noise(moved_texture(333, 222, {}), 6, 1));
   const Luma to = luma_of(with_noise(moved_texture(333, 222, {4.3, -2.6}), 6, 2));
-  using Effort = FlowOptions::Effort;
   const int before = cv::getNumThreads();
-  for (const Effort effort : {Effort::kUltrafast, Effort::kFast, Effort::kMedium}) {
+  for (const FlowOptions::Effort effort :
+       {FlowOptions::Effort::kUltrafast, FlowOptions::Effort::kFast, FlowOptions::Effort::kMedium}) {
     cv::setNumThreads(1);
     const Flow one = find_flow(from, to, {effort});
     cv::setNumThreads(2);

@@ -11,14 +11,14 @@
 namespace knotreel::motion {
 namespace {
 
-constexpr int kWidth = 70;  // neither is a whole number of cells
-constexpr int kHeight = 43;
+constexpr int kUnchangedWidth = 70;  // neither is a whole number of cells
+constexpr int kUnchangedHeight = 43;
 constexpr int kColumns = 9;
 constexpr int kRows = 6;
 
 image::Image noise(std::uint64_t seed) {
   std::mt19937_64 random(seed);
-  image::Image picture = image::make_image(kWidth, kHeight, 3);
+  image::Image picture = image::make_image(kUnchangedWidth, kUnchangedHeight, 3);
   for (float& v : picture.samples) v = static_cast<float>(random() % 256);
   return picture;
 }
@@ -30,8 +30,8 @@ TEST(UnchangedCells, AreThoseWithoutAnyOtherPixel) {
     image::Image now = before;
     std::vector<std::uint8_t> expected(kColumns * kRows, 1);
     for (int k = 0; k < n % 4; ++k) {
-      const int x = static_cast<int>(random() % kWidth);
-      const int y = static_cast<int>(random() % kHeight);
+      const int x = static_cast<int>(random() % kUnchangedWidth);
+      const int y = static_cast<int>(random() % kUnchangedHeight);
       now.at(x, y, static_cast<int>(random() % 3)) += 0.25F;
       expected[std::size_t(y / kCellSide * kColumns + x / kCellSide)] = 0;
     }
@@ -40,10 +40,10 @@ TEST(UnchangedCells, AreThoseWithoutAnyOtherPixel) {
 }
 
 TEST(UnchangedCells, RefuseAnotherSize) {
-  EXPECT_THROW(unchanged_cells(noise(1), image::make_image(kWidth, kHeight - 1, 3)), Error);
-  EXPECT_THROW(unchanged_cells(noise(1), image::make_image(kWidth, kHeight, 1)), Error);
+  EXPECT_THROW(unchanged_cells(noise(1), image::make_image(kUnchangedWidth, kUnchangedHeight - 1, 3)), Error);
+  EXPECT_THROW(unchanged_cells(noise(1), image::make_image(kUnchangedWidth, kUnchangedHeight, 1)), Error);
   Rest rest(2);
-  rest.start(kWidth, kHeight);
+  rest.start(kUnchangedWidth, kUnchangedHeight);
   EXPECT_THROW(rest.add(std::vector<std::uint8_t>(kColumns * kRows - 1, 1)), Error);
 }
 
@@ -53,7 +53,7 @@ TEST(Rest, HoldsWhereAllCellsHaveStayedLongEnough) {
   constexpr int kFrames = 3;
   Rest rest(kFrames);
   EXPECT_FALSE(rest.holds({0, 0}, {1, 1}));
-  rest.start(kWidth, kHeight);
+  rest.start(kUnchangedWidth, kUnchangedHeight);
   std::vector<int> age(kColumns * kRows, 0);
   for (int frame = 0; frame < 40; ++frame) {
     std::vector<std::uint8_t> unchanged(age.size());
@@ -69,7 +69,8 @@ TEST(Rest, HoldsWhereAllCellsHaveStayedLongEnough) {
     for (int row = 0; row < kRows; ++row) {
       for (int column = 0; column < kColumns; ++column) {
         resting += rests(column, row) ? 1 : 0;
-        ASSERT_EQ(rest.at(std::min(column * kCellSide + 7, kWidth - 1), row * kCellSide), rests(column, row));
+        ASSERT_EQ(rest.at(std::min(column * kCellSide + 7, kUnchangedWidth - 1), row * kCellSide),
+                  rests(column, row));
       }
     }
     ASSERT_DOUBLE_EQ(rest.share(), double(resting) / double(age.size()));
@@ -88,7 +89,7 @@ TEST(Rest, HoldsWhereAllCellsHaveStayedLongEnough) {
       ASSERT_EQ(rest.holds(low, high), all);
     }
   }
-  rest.start(kWidth, kHeight);
+  rest.start(kUnchangedWidth, kUnchangedHeight);
   EXPECT_EQ(rest.share(), 0);
 }
 
@@ -98,21 +99,21 @@ TEST(ChangedBoxes, HoldWhatChangesWithItsMarginAndNoPixelTwice) {
   for (int n = 0; n < 300; ++n) {
     std::vector<std::uint8_t> unchanged(kColumns * kRows, 1);
     for (int k = 0; k < n % 7; ++k) unchanged[random() % unchanged.size()] = 0;
-    std::vector<int> covered(kWidth * kHeight, 0);
-    for (const PixelBox& box : changed_boxes(unchanged, kWidth, kHeight, kMargin)) {
+    std::vector<int> covered(kUnchangedWidth * kUnchangedHeight, 0);
+    for (const PixelBox& box : changed_boxes(unchanged, kUnchangedWidth, kUnchangedHeight, kMargin)) {
       for (int y = box.top; y < box.bottom; ++y) {
-        for (int x = box.left; x < box.right; ++x) ++covered[std::size_t(y * kWidth + x)];
+        for (int x = box.left; x < box.right; ++x) ++covered[std::size_t(y * kUnchangedWidth + x)];
       }
     }
     EXPECT_TRUE(std::none_of(covered.begin(), covered.end(), [](int times) { return times > 1; }));
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
+    for (int y = 0; y < kUnchangedHeight; ++y) {
+      for (int x = 0; x < kUnchangedWidth; ++x) {
         if (unchanged[std::size_t(y / kCellSide * kColumns + x / kCellSide)]) continue;
         for (const int dy : {-kMargin, 0, kMargin}) {
           for (const int dx : {-kMargin, 0, kMargin}) {
-            const int i = std::clamp(x + dx, 0, kWidth - 1);
-            const int j = std::clamp(y + dy, 0, kHeight - 1);
-            ASSERT_EQ(covered[std::size_t(j * kWidth + i)], 1) << i << ", " << j;
+            const int i = std::clamp(x + dx, 0, kUnchangedWidth - 1);
+            const int j = std::clamp(y + dy, 0, kUnchangedHeight - 1);
+            ASSERT_EQ(covered[std::size_t(j * kUnchangedWidth + i)], 1) << i << ", " << j;
           }
         }
       }

@@ -74,7 +74,7 @@ Problem chain_problem(int width, int height, int chains, unsigned seed, double d
   p.fixed.assign(static_cast<std::size_t>(width * height), 0);
   std::mt19937 random(seed);
   std::uniform_real_distribution<float> unit(-1, 1);
-  for (const auto& chain : testing::random_chains(width, height, chains, seed).chains) {
+  for (const auto& chain : knotreel::testing::random_chains(width, height, chains, seed).chains) {
     const Quad along{unit(random), unit(random), 3 * unit(random), 3 * unit(random)};
     for (const auto& point : chain.points) {
       p.fixed[static_cast<std::size_t>(point.y * width + point.x)] = 1;

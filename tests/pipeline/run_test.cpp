@@ -19,7 +19,7 @@ namespace {
 constexpr int kFrames = 8;
 
 /// A clip, and jobs that work on it.
-class PipelineRun : public testing::Test {
+class PipelineRun : public ::testing::Test {
  protected:
   PipelineRun() : times_(test::write_clip(clip_, kFrames)) {}
 

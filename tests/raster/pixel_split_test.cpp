@@ -11,7 +11,7 @@
 namespace knotreel::raster {
 namespace {
 
-constexpr std::uint64_t kSeed = 20261123;
+constexpr std::uint64_t kPixelSplitSeed = 20261123;
 
 /// A path cut into chords that are in any order and go either way.
 std::vector<Chord> chords_of(const std::vector<Vec2>& path, std::mt19937_64& random) {
@@ -25,7 +25,7 @@ std::vector<Chord> chords_of(const std::vector<Vec2>& path, std::mt19937_64& ran
 }
 
 TEST(PixelSplit, PartsAreThoseOnBothSidesOfALine) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kPixelSplitSeed);
   std::uniform_real_distribution<double> unit(0, 1);
   constexpr int kFine = 200;
   int split = 0;
@@ -65,7 +65,7 @@ TEST(PixelSplit, PartsAreThoseOnBothSidesOfALine) {
 }
 
 TEST(PixelSplit, ALittleBendIsAllowedButNoMore) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kPixelSplitSeed);
   const auto bent = [&](double by) {
     const std::vector<Vec2> path{{-0.1, 0.5}, {0.5, 0.5 - by}, {1.1, 0.5}};
     return split_pixel(chords_of(path, random), 0, 0);
@@ -78,7 +78,7 @@ TEST(PixelSplit, ALittleBendIsAllowedButNoMore) {
 }
 
 TEST(PixelSplit, ACurveMayLeaveWhereItCameIn) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kPixelSplitSeed);
   // A triangle behind one of the sides, turned to all of them.
   std::vector<Vec2> path{{1.02, 0.1}, {0.95, 0.5}, {1.02, 0.9}};
   for (int turn = 0; turn < 4; ++turn) {
@@ -92,7 +92,7 @@ TEST(PixelSplit, ACurveMayLeaveWhereItCameIn) {
 }
 
 TEST(PixelSplit, WhatIsNotOnePathFromSideToSideIsLeftAlone) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kPixelSplitSeed);
   const Vec2 middle{0.4, 0.6};
   const std::vector<Vec2> through{{-0.3, 0.2}, {0.3, 0.3}, {0.8, 0.4}, {1.2, 0.5}};
   const std::vector<Vec2> again{{-0.3, 0.7}, {0.5, 0.75}, {1.2, 0.8}};

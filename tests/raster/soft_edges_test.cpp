@@ -18,7 +18,7 @@ namespace {
 using document::FrameModel;
 using knotreel::testing::MeshBuilder;
 
-constexpr std::uint64_t kSeed = 20261125;
+constexpr std::uint64_t kSoftEdgesSeed = 20261125;
 
 /// A loop and an open line, which ends inside, in random colours.
 FrameModel featured_model(int channels) {
@@ -34,8 +34,8 @@ FrameModel featured_model(int channels) {
   b.segment(v2, v0, 1);
   b.segment(b.vertex(0, 33), b.vertex(36, 34), 1);
   FrameModel model = knotreel::testing::blank_model(b.triangulated(), 2, channels);
-  knotreel::testing::displace_randomly(model, 1.5, kSeed);
-  knotreel::testing::colour_randomly(model, kSeed);
+  knotreel::testing::displace_randomly(model, 1.5, kSoftEdgesSeed);
+  knotreel::testing::colour_randomly(model, kSoftEdgesSeed);
   return model;
 }
 
@@ -143,7 +143,7 @@ TEST(FittingEdgeSoftness, IsNoneWithoutFeatures) {
   MeshBuilder b(48, 40);
   b.free(20, 20);
   FrameModel model = knotreel::testing::blank_model(b.triangulated(), 2, 1);
-  knotreel::testing::colour_randomly(model, kSeed);
+  knotreel::testing::colour_randomly(model, kSoftEdgesSeed);
   EXPECT_EQ(fitting_edge_softness(model, drawn(model), nullptr, nullptr), 0);
 }
 

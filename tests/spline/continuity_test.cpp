@@ -15,7 +15,7 @@ namespace {
 
 using knotreel::testing::MeshCase;
 
-constexpr std::uint64_t kSeed = 20260202;
+constexpr std::uint64_t kContinuitySeed = 20260202;
 
 /// A point on the straight line between two knots of one config, and the unit normal of that line.
 struct CreasePoint {
@@ -109,7 +109,7 @@ Jumps measure(const Basis& basis, const std::vector<double>& c, const std::vecto
 }
 
 std::vector<MeshCase> cases() {
-  std::vector<MeshCase> all = knotreel::testing::law_cases(kSeed, 200);
+  std::vector<MeshCase> all = knotreel::testing::law_cases(kContinuitySeed, 200);
   std::erase_if(all, [](const MeshCase& c) { return knotreel::testing::has_accidental_lines(c.mesh); });
   return all;
 }
@@ -118,7 +118,7 @@ class Continuity : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Degree, Continuity, ::testing::Values(1, 2, 3));
 
 TEST_P(Continuity, AcrossLinesOfSimpleKnots) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kContinuitySeed);
   std::normal_distribution<double> normal;
   for (const MeshCase& c : cases()) {
     SCOPED_TRACE(c.name);
@@ -140,7 +140,7 @@ TEST_P(Continuity, AcrossLinesOfSimpleKnots) {
 }
 
 TEST_P(Continuity, EverywhereOffTheFeaturesWithCornerSmoothing) {
-  std::mt19937_64 random(kSeed + 1);
+  std::mt19937_64 random(kContinuitySeed + 1);
   std::normal_distribution<double> normal;
   double unsmoothed = 0;
   for (const MeshCase& c : cases()) {
@@ -195,7 +195,7 @@ std::vector<FeaturePoint> feature_points(const SplineSpace& space, std::mt19937_
 }
 
 TEST_P(Continuity, OnlyFunctionsOfOpenTipsReachAcrossAFeature) {
-  std::mt19937_64 random(kSeed + 2);
+  std::mt19937_64 random(kContinuitySeed + 2);
   for (const MeshCase& c : cases()) {
     SCOPED_TRACE(c.name);
     const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
@@ -227,7 +227,7 @@ TEST_P(Continuity, OnlyFunctionsOfOpenTipsReachAcrossAFeature) {
 }
 
 TEST_P(Continuity, GeometryIsContinuousAcrossFeatures) {
-  std::mt19937_64 random(kSeed + 3);
+  std::mt19937_64 random(kContinuitySeed + 3);
   std::normal_distribution<double> normal;
   for (const MeshCase& c : cases()) {
     SCOPED_TRACE(c.name);

@@ -18,20 +18,20 @@ namespace {
 
 using knotreel::testing::MeshCase;
 
-constexpr std::uint64_t kSeed = 20260303;
+constexpr std::uint64_t kEvaluationSeed = 20260303;
 
 std::vector<MeshCase> cases(int random_count) {
-  return knotreel::testing::law_cases(kSeed, random_count);
+  return knotreel::testing::law_cases(kEvaluationSeed, random_count);
 }
 
 class Evaluation : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Degree, Evaluation, ::testing::Values(1, 2, 3));
 
 TEST_P(Evaluation, ScatteredPointsEqualSinglePointsWithAnyNumberOfThreads) {
-  const MeshCase c = knotreel::testing::random_cases(kSeed, 1).front();
+  const MeshCase c = knotreel::testing::random_cases(kEvaluationSeed, 1).front();
   const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
   const Basis basis(space);
-  const std::vector<Vec2> points = knotreel::testing::probe_points(c.mesh, kSeed, 20000);
+  const std::vector<Vec2> points = knotreel::testing::probe_points(c.mesh, kEvaluationSeed, 20000);
   ScatteredValues results[2];
   for (int i = 0; i < 2; ++i) {
     const ThreadCap cap(i == 0 ? 1 : 4);
@@ -54,7 +54,7 @@ TEST_P(Evaluation, ScatteredPointsEqualSinglePointsWithAnyNumberOfThreads) {
 }
 
 TEST_P(Evaluation, DerivativesEqualTheRecurrenceAndDifferences) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kEvaluationSeed);
   for (const MeshCase& c : cases(30)) {
     SCOPED_TRACE(c.name);
     const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
@@ -112,7 +112,7 @@ TEST_P(Evaluation, QuadraticsAreReproducedByTheirPolarForms) {
     const Basis basis(space);
     std::vector<BasisValue> values;
     double worst = 0;
-    for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kSeed, 50)) {
+    for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kEvaluationSeed, 50)) {
       basis.evaluate(u, values);
       for (int which = 0; which < 3; ++which) {
         double sum = 0;
@@ -133,7 +133,7 @@ TEST_P(Evaluation, QuadraticsAreReproducedByTheirPolarForms) {
 
 TEST_P(Evaluation, QuadraticsAreReproducedByFitting) {
   if (GetParam() < 2) return;
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kEvaluationSeed);
   std::uniform_real_distribution<double> unit(0, 1);
   for (const MeshCase& c : cases(20)) {
     SCOPED_TRACE(c.name);
@@ -161,7 +161,7 @@ TEST_P(Evaluation, QuadraticsAreReproducedByFitting) {
 }
 
 TEST_P(Evaluation, SpacesComeBackFromTheirLinkCodes) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kEvaluationSeed);
   const LinkPolicy any = [&](const LinkPolygon& polygon, std::vector<std::uint16_t>& codes) {
     // A random triangulation: always split at a random apex.
     const auto split = [&](auto&& self, std::size_t i, std::size_t j) -> void {
@@ -184,7 +184,7 @@ TEST_P(Evaluation, SpacesComeBackFromTheirLinkCodes) {
     // Any triangulation, even one that is turned inside out in places, keeps partition of unity.
     const Basis basis(std::make_shared<const SplineSpace>(again));
     std::vector<BasisValue> values;
-    for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kSeed, 20)) {
+    for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kEvaluationSeed, 20)) {
       basis.evaluate(u, values);
       double sum = 0;
       for (const BasisValue& v : values) sum += v.value;

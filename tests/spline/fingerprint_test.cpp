@@ -16,7 +16,7 @@ using knotreel::testing::law_cases;
 using knotreel::testing::probe_points;
 using mesh::KnotIndex;
 
-constexpr std::uint64_t kSeed = 20261125;
+constexpr std::uint64_t kFingerprintSeed = 20261125;
 
 /// Functions with a config that has a corner of this knot.
 std::set<FunctionIndex> functions_around(const SplineSpace& space, KnotIndex knot) {
@@ -40,10 +40,10 @@ double value_of(const Basis& basis, FunctionIndex f, Vec2 u) {
 
 /// A knot is put elsewhere: the functions around it change, and no other.
 TEST(Fingerprints, ChangeWithTheirFunctions) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kFingerprintSeed);
   std::size_t changed = 0;
   std::size_t kept = 0;
-  for (const auto& c : law_cases(kSeed, 20)) {
+  for (const auto& c : law_cases(kFingerprintSeed, 20)) {
     std::vector<KnotIndex> free;
     std::vector<Vec2> positions;
     for (KnotIndex k = 0; k < c.mesh.knots.size(); ++k) {
@@ -67,7 +67,7 @@ TEST(Fingerprints, ChangeWithTheirFunctions) {
         }
         (prints[f] == old_prints[f] ? kept : changed) += 1;
       }
-      for (const Vec2 u : probe_points(c.mesh, kSeed, 20)) {
+      for (const Vec2 u : probe_points(c.mesh, kFingerprintSeed, 20)) {
         for (const FunctionIndex f : around) {
           if (f == kNoFunction || prints[f] != old_prints[f]) continue;
           ASSERT_EQ(value_of(before, f, u), value_of(after, f, u)) << c.name << ", function " << f;
@@ -80,7 +80,7 @@ TEST(Fingerprints, ChangeWithTheirFunctions) {
 }
 
 TEST(Fingerprints, AreAllDifferentAndDoNotDependOnThreads) {
-  for (const auto& c : law_cases(kSeed + 1, 10)) {
+  for (const auto& c : law_cases(kFingerprintSeed + 1, 10)) {
     const Basis basis(std::make_shared<const SplineSpace>(c.mesh, 2));
     std::vector<std::uint64_t> prints = function_fingerprints(basis);
     const ThreadCap one(1);

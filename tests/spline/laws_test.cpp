@@ -13,10 +13,10 @@ namespace {
 
 using knotreel::testing::MeshCase;
 
-constexpr std::uint64_t kSeed = 20260101;
+constexpr std::uint64_t kLawsSeed = 20260101;
 
 const std::vector<MeshCase>& all_cases() {
-  static const std::vector<MeshCase> cases = knotreel::testing::law_cases(kSeed, 200);
+  static const std::vector<MeshCase> cases = knotreel::testing::law_cases(kLawsSeed, 200);
   return cases;
 }
 
@@ -35,7 +35,7 @@ TEST_P(SplineLaws, FunctionsSumToOneOnTheClosedDomain) {
     double worst = 0;
     double lowest = 0;
     Vec2 worst_at;
-    for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kSeed, 200)) {
+    for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kLawsSeed, 200)) {
       basis.evaluate(u, values);
       double sum = 0;
       for (const BasisValue& v : values) {
@@ -58,7 +58,7 @@ TEST_P(SplineLaws, ProductEvaluationEqualsTheRecurrence) {
     const auto space = make_space(c, GetParam());
     const Basis basis(space);
     const ReferenceBasis reference(*space);
-    std::vector<Vec2> points = knotreel::testing::probe_points(c.mesh, kSeed, 30);
+    std::vector<Vec2> points = knotreel::testing::probe_points(c.mesh, kLawsSeed, 30);
     // The reference is slow: a stride through the probes, with all their kinds.
     double worst = 0;
     Vec2 worst_at;
@@ -87,7 +87,7 @@ TEST_P(SplineLaws, LinearFunctionsAreReproducedFromGrevilleSites) {
     const Basis basis(space);
     std::vector<BasisValue> values;
     double worst = 0;
-    for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kSeed, 100)) {
+    for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kLawsSeed, 100)) {
       basis.evaluate(u, values);
       Vec2 sum;
       for (const BasisValue& v : values) sum = sum + v.value * space->greville(v.function);

@@ -16,7 +16,7 @@ using knotreel::testing::MeshCase;
 using mesh::KnotIndex;
 using mesh::KnotKind;
 
-constexpr std::uint64_t kSeed = 20260505;
+constexpr std::uint64_t kMovedSeed = 20260505;
 
 std::vector<Vec2> positions_of(const mesh::KnotMesh& mesh) {
   std::vector<Vec2> positions;
@@ -26,7 +26,7 @@ std::vector<Vec2> positions_of(const mesh::KnotMesh& mesh) {
 
 /// Free knots moved a little, others at rest.
 std::vector<Vec2> jittered(const mesh::KnotMesh& mesh, double reach) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kMovedSeed);
   std::uniform_real_distribution<double> unit(-reach, reach);
   std::vector<Vec2> positions = positions_of(mesh);
   for (KnotIndex k = 0; k < positions.size(); ++k) {
@@ -66,7 +66,7 @@ class Moved : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Degree, Moved, ::testing::Values(1, 2, 3));
 
 TEST_P(Moved, SpacesKeepTheirCombinatorics) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 40)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kMovedSeed, 40)) {
     SCOPED_TRACE(c.name);
     const SplineSpace space(c.mesh, GetParam());
     mesh::KnotMesh there = c.mesh;
@@ -95,7 +95,7 @@ TEST_P(Moved, SpacesKeepTheirCombinatorics) {
 
 TEST_P(Moved, SpacesReproduceLinearFunctions) {
   int cases = 0;
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 40)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kMovedSeed, 40)) {
     // Knots off a line that they were on leave gaps in the configs of that line.
     if (knotreel::testing::has_accidental_lines(c.mesh)) continue;
     ++cases;
@@ -105,7 +105,7 @@ TEST_P(Moved, SpacesReproduceLinearFunctions) {
     const Basis basis(moved);
     std::vector<BasisValue> values;
     double worst = 0;
-    for (const Vec2 u : knotreel::testing::probe_points(moved->mesh(), kSeed, 100)) {
+    for (const Vec2 u : knotreel::testing::probe_points(moved->mesh(), kMovedSeed, 100)) {
       basis.evaluate(u, values);
       Vec2 sum;
       double one = 0;
@@ -121,11 +121,11 @@ TEST_P(Moved, SpacesReproduceLinearFunctions) {
 }
 
 TEST_P(Moved, AShiftedPieceIsThatOfTheMovedSpace) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 10)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kMovedSeed, 10)) {
     if (knotreel::testing::has_accidental_lines(c.mesh)) continue;
     SCOPED_TRACE(c.name);
     const SplineSpace space(c.mesh, GetParam());
-    std::mt19937_64 random(kSeed);
+    std::mt19937_64 random(kMovedSeed);
     std::uniform_real_distribution<double> unit(0, 1);
     for (KnotIndex k = 0; k < c.mesh.knots.size(); k += 1 + KnotIndex(c.mesh.knots.size()) / 15) {
       const Vec2 direction = direction_of(c.mesh, k);
@@ -166,7 +166,7 @@ TEST_P(Moved, AShiftedPieceIsThatOfTheMovedSpace) {
 /// Derivatives are differences of coefficients: terms must come in the same order, with the same slopes, even
 /// where the triangles that a piece could be cut by have equal areas.
 TEST_P(Moved, AHardlyShiftedPieceHasHardlyShiftedCoefficients) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 10)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kMovedSeed, 10)) {
     if (knotreel::testing::has_accidental_lines(c.mesh)) continue;
     SCOPED_TRACE(c.name);
     const SplineSpace space(c.mesh, GetParam());

@@ -17,7 +17,7 @@ namespace {
 
 using knotreel::testing::MeshCase;
 
-constexpr std::uint64_t kSeed = 20260404;
+constexpr std::uint64_t kPixelsSeed = 20260404;
 
 struct Raster {
   int columns;
@@ -39,7 +39,7 @@ std::vector<Vec2> centres(const mesh::KnotMesh& mesh, const Raster& raster) {
 /// The left third at the centres, the rest a mixture of centres and places up to two pixels away; and some
 /// pixels on knots, edges, features and the border.
 std::vector<Vec2> mixed_places(const mesh::KnotMesh& mesh, const Raster& raster) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kPixelsSeed);
   std::uniform_real_distribution<double> unit(-2, 2);
   std::vector<Vec2> places = centres(mesh, raster);
   for (std::size_t i = 0; i < places.size(); ++i) {
@@ -47,7 +47,7 @@ std::vector<Vec2> mixed_places(const mesh::KnotMesh& mesh, const Raster& raster)
     places[i] = {std::clamp(places[i].x + unit(random), 0.0, mesh.width),
                  std::clamp(places[i].y + unit(random), 0.0, mesh.height)};
   }
-  for (const Vec2 p : knotreel::testing::probe_points(mesh, kSeed, 0)) {
+  for (const Vec2 p : knotreel::testing::probe_points(mesh, kPixelsSeed, 0)) {
     if (p.x < mesh.width / 3) continue;
     const int x = std::min(raster.columns - 1, static_cast<int>(p.x * raster.columns / mesh.width));
     const int y = std::min(raster.rows - 1, static_cast<int>(p.y * raster.rows / mesh.height));
@@ -114,14 +114,14 @@ Raster flat_raster(const MeshCase& c) {
 }
 
 TEST_P(Pixels, ValuesAreThoseAtTheirPlaces) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 40)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kPixelsSeed, 40)) {
     SCOPED_TRACE(c.name);
     expect_values_of_points(c, GetParam(), flat_raster(c), mixed_places(c.mesh, flat_raster(c)), 1e-11);
   }
 }
 
 TEST_P(Pixels, ValuesAtTheCentresAreThoseOfPoints) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 60)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kPixelsSeed, 60)) {
     SCOPED_TRACE(c.name);
     expect_values_of_points(c, GetParam(), flat_raster(c), {}, 1e-10);
   }
@@ -130,7 +130,7 @@ TEST_P(Pixels, ValuesAtTheCentresAreThoseOfPoints) {
 /// Some cases have faces a few thousandths of a pixel wide; without them it is 2e-5.
 TEST_P(Pixels, SinglePrecisionIsNear) {
   double worst = 0;
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 60)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kPixelsSeed, 60)) {
     SCOPED_TRACE(c.to_text());
     const Basis basis(std::make_shared<const SplineSpace>(c.mesh, GetParam()));
     const Raster raster = flat_raster(c);
@@ -152,7 +152,7 @@ TEST_P(Pixels, SinglePrecisionIsNear) {
 }
 
 TEST_P(Pixels, PlacesAtTheCentresAreLikeNone) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 5)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kPixelsSeed, 5)) {
     SCOPED_TRACE(c.name);
     const Basis basis(std::make_shared<const SplineSpace>(c.mesh, GetParam()));
     const Raster raster{static_cast<int>(c.mesh.width), static_cast<int>(c.mesh.height)};
@@ -163,7 +163,7 @@ TEST_P(Pixels, PlacesAtTheCentresAreLikeNone) {
 }
 
 TEST_P(Pixels, FunctionsThatAreNotWantedAreNowhere) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 5)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kPixelsSeed, 5)) {
     SCOPED_TRACE(c.name);
     const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
     const Basis basis(space);
@@ -183,7 +183,7 @@ TEST_P(Pixels, FunctionsThatAreNotWantedAreNowhere) {
 }
 
 TEST_P(Pixels, ThreadsDoNotMatter) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 5)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kPixelsSeed, 5)) {
     SCOPED_TRACE(c.name);
     const Basis basis(std::make_shared<const SplineSpace>(c.mesh, GetParam()));
     const Raster raster{61, 53};
@@ -199,7 +199,7 @@ TEST_P(Pixels, ThreadsDoNotMatter) {
 
 /// What pieces() leave out is zero.
 TEST_P(Pixels, PiecesReachTheirTilesOnly) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 5)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kPixelsSeed, 5)) {
     SCOPED_TRACE(c.name);
     const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
     const Basis basis(space);
@@ -226,7 +226,7 @@ TEST_P(Pixels, PiecesReachTheirTilesOnly) {
 }
 
 TEST_P(Pixels, SurfaceIsTheSumOfValuesTimesControlPoints) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 5)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kPixelsSeed, 5)) {
     SCOPED_TRACE(c.name);
     const auto space = std::make_shared<const SplineSpace>(c.mesh, GetParam());
     const Basis basis(space);
@@ -235,7 +235,7 @@ TEST_P(Pixels, SurfaceIsTheSumOfValuesTimesControlPoints) {
     const PixelValues pixels(basis, raster.columns, raster.rows, places);
     const std::size_t n = space->function_count();
     const std::vector<double> values = dense(pixels);
-    std::mt19937_64 random(kSeed);
+    std::mt19937_64 random(kPixelsSeed);
     for (std::size_t channels = 1; channels <= 4; ++channels) {
       std::vector<double> control(n * channels);
       for (double& v : control) v = static_cast<double>(random() % 256);

@@ -13,7 +13,7 @@ namespace {
 
 using knotreel::testing::MeshCase;
 
-constexpr std::uint64_t kSeed = 20260606;
+constexpr std::uint64_t kSmoothCornersSeed = 20260606;
 
 bool is_shared(const SplineSpace& space, FunctionIndex f) {
   std::set<CornerIndex> corners;
@@ -27,7 +27,7 @@ class SmoothCorners : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Degree, SmoothCorners, ::testing::Values(1, 2, 3));
 
 TEST_P(SmoothCorners, ColumnsAreOrthonormal) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 20)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kSmoothCornersSeed, 20)) {
     SCOPED_TRACE(c.name);
     const SplineSpace space(c.mesh, GetParam());
     for (const SharedFunctions shared : {SharedFunctions::kFree, SharedFunctions::kTied}) {
@@ -43,7 +43,7 @@ TEST_P(SmoothCorners, ColumnsAreOrthonormal) {
 
 TEST_P(SmoothCorners, SharedFunctionsAreFreeOfBothCorners) {
   std::size_t seen = 0;
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 20)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kSmoothCornersSeed, 20)) {
     SCOPED_TRACE(c.name);
     const SplineSpace space(c.mesh, GetParam());
     const Eigen::SparseMatrix<double> p = smooth_corner_prolongation(space, SharedFunctions::kFree);
@@ -67,7 +67,7 @@ TEST_P(SmoothCorners, SharedFunctionsAreFreeOfBothCorners) {
 
 TEST_P(SmoothCorners, WithoutSharedFunctionsBothAreTheSame) {
   std::size_t seen = 0;
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 20)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kSmoothCornersSeed, 20)) {
     SCOPED_TRACE(c.name);
     const SplineSpace space(c.mesh, GetParam());
     bool any = false;

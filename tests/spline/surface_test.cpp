@@ -14,23 +14,23 @@ namespace {
 
 using knotreel::testing::MeshCase;
 
-constexpr std::uint64_t kSeed = 20260505;
+constexpr std::uint64_t kSurfaceSeed = 20260505;
 
 class Surfaces : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Degree, Surfaces, ::testing::Values(1, 2, 3));
 
 std::vector<double> random_control(std::size_t size) {
-  std::mt19937_64 random(kSeed);
+  std::mt19937_64 random(kSurfaceSeed);
   std::vector<double> control(size);
   for (double& v : control) v = static_cast<double>(random() % 256);
   return control;
 }
 
 TEST_P(Surfaces, AtPointsAreSumsOfValuesTimesControlPoints) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 20)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kSurfaceSeed, 20)) {
     SCOPED_TRACE(c.name);
     const Basis basis(std::make_shared<const SplineSpace>(c.mesh, GetParam()));
-    const std::vector<Vec2> points = knotreel::testing::probe_points(c.mesh, kSeed, 500);
+    const std::vector<Vec2> points = knotreel::testing::probe_points(c.mesh, kSurfaceSeed, 500);
     for (std::size_t channels = 1; channels <= kMaxSurfaceChannels; ++channels) {
       const std::vector<double> control = random_control(basis.space().function_count() * channels);
       std::vector<double> out(points.size() * channels);
@@ -49,9 +49,9 @@ TEST_P(Surfaces, AtPointsAreSumsOfValuesTimesControlPoints) {
 }
 
 TEST_P(Surfaces, ThreadsDoNotMatter) {
-  const MeshCase c = knotreel::testing::random_cases(kSeed, 1).front();
+  const MeshCase c = knotreel::testing::random_cases(kSurfaceSeed, 1).front();
   const Basis basis(std::make_shared<const SplineSpace>(c.mesh, GetParam()));
-  const std::vector<Vec2> points = knotreel::testing::probe_points(c.mesh, kSeed, 5000);
+  const std::vector<Vec2> points = knotreel::testing::probe_points(c.mesh, kSurfaceSeed, 5000);
   const std::vector<double> control = random_control(2 * basis.space().function_count());
   std::vector<double> out[2];
   for (std::size_t i = 0; i < 2; ++i) {
@@ -63,12 +63,12 @@ TEST_P(Surfaces, ThreadsDoNotMatter) {
 }
 
 TEST_P(Surfaces, JetsAreSumsOfJetsTimesControlPoints) {
-  for (const MeshCase& c : knotreel::testing::law_cases(kSeed, 20)) {
+  for (const MeshCase& c : knotreel::testing::law_cases(kSurfaceSeed, 20)) {
     SCOPED_TRACE(c.name);
     const Basis basis(std::make_shared<const SplineSpace>(c.mesh, GetParam()));
     const std::vector<double> control = random_control(2 * basis.space().function_count());
     std::vector<BasisJet> jets;
-    for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kSeed, 100)) {
+    for (const Vec2 u : knotreel::testing::probe_points(c.mesh, kSurfaceSeed, 100)) {
       const Vec2 direction = inward_direction(u, c.mesh.width, c.mesh.height);
       std::array<Jet, 2> out;
       surface_jets(basis, {control, 2}, u, direction, out);

@@ -16,8 +16,8 @@ namespace {
 
 using spline::FunctionIndex;
 
-constexpr int kWidth = 96;
-constexpr int kHeight = 80;
+constexpr int kKeptWidth = 96;
+constexpr int kKeptHeight = 80;
 
 /// A warm frame as it is fitted: all but its ages.
 FittedFrame frame_of(std::shared_ptr<const spline::SplineSpace> space, std::vector<Vec2> displacement,
@@ -36,7 +36,7 @@ FittedFrame frame_of(std::shared_ptr<const spline::SplineSpace> space, std::vect
 
 /// A feature, and knots around it on a grid.
 mesh::KnotMesh grid_mesh() {
-  testing::MeshBuilder b(kWidth, kHeight);
+  testing::MeshBuilder b(kKeptWidth, kKeptHeight);
   b.segment(b.vertex(30.3, 40.2), b.vertex(62.1, 44.7), 2);
   for (int j = 0; j < 5; ++j) {
     for (int i = 0; i < 6; ++i) {
@@ -79,7 +79,7 @@ class KeptParts : public ::testing::Test {
     return result;
   }
 
-  image::Image picture_ = test::random_picture(kWidth, kHeight, 3, 5);
+  image::Image picture_ = test::random_picture(kKeptWidth, kKeptHeight, 3, 5);
   document::FrameModel model_;
   std::vector<double> control_;
   FittedFrame before_;

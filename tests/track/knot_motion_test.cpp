@@ -11,8 +11,8 @@
 namespace knotreel::track {
 namespace {
 
-constexpr int kWidth = 160;
-constexpr int kHeight = 120;
+constexpr int kKnotMotionWidth = 160;
+constexpr int kKnotMotionHeight = 120;
 
 bool in_hole(Vec2 p) {
   return p.x > 50 && p.x < 110 && p.y > 40 && p.y < 90;
@@ -20,7 +20,7 @@ bool in_hole(Vec2 p) {
 
 template <typename Value>
 motion::Luma drawn(const Value& value) {
-  return motion::luma_of(motion::testing::draw(kWidth, kHeight, value));
+  return motion::luma_of(motion::testing::draw(kKnotMotionWidth, kKnotMotionHeight, value));
 }
 
 /// A texture with a hole in which there is nothing to be seen, moved by d.
@@ -42,25 +42,25 @@ Motion motion_by(Vec2 d, const FlowAt& flow_at, motion::Luma (*scene)(Vec2) = te
   Motion motion;
   motion.before = std::make_shared<motion::Luma>(scene({}));
   motion.now = std::make_shared<motion::Luma>(scene(d));
-  motion.flow.forward = motion::testing::constant_flow(kWidth, kHeight, {});
-  for (int y = 0; y < kHeight; ++y) {
-    for (int x = 0; x < kWidth; ++x) {
+  motion.flow.forward = motion::testing::constant_flow(kKnotMotionWidth, kKnotMotionHeight, {});
+  for (int y = 0; y < kKnotMotionHeight; ++y) {
+    for (int x = 0; x < kKnotMotionWidth; ++x) {
       const Vec2 flow = flow_at(Vec2{x + 0.5, y + 0.5});
-      const auto i = static_cast<std::size_t>(y * kWidth + x);
+      const auto i = static_cast<std::size_t>(y * kKnotMotionWidth + x);
       motion.flow.forward.xy[2 * i] = static_cast<float>(flow.x);
       motion.flow.forward.xy[2 * i + 1] = static_cast<float>(flow.y);
     }
   }
-  motion.flow.consistent.assign(static_cast<std::size_t>(kWidth) * kHeight, 1);
+  motion.flow.consistent.assign(static_cast<std::size_t>(kKnotMotionWidth) * kKnotMotionHeight, 1);
   motion.moved = std::make_shared<motion::Luma>(motion::warp(*motion.now, motion.flow.forward));
   return motion;
 }
 
 struct Knots {
   mesh::KnotMesh mesh = [] {
-    knotreel::testing::MeshBuilder builder(kWidth, kHeight);
-    for (int y = 8; y < kHeight; y += 8) {
-      for (int x = 8; x < kWidth; x += 8) builder.free(x + 0.3 * (y % 3), y);
+    knotreel::testing::MeshBuilder builder(kKnotMotionWidth, kKnotMotionHeight);
+    for (int y = 8; y < kKnotMotionHeight; y += 8) {
+      for (int x = 8; x < kKnotMotionWidth; x += 8) builder.free(x + 0.3 * (y % 3), y);
     }
     return builder.triangulated();
   }();

@@ -9,12 +9,12 @@
 namespace knotreel::track {
 namespace {
 
-constexpr int kWidth = 37;
-constexpr int kHeight = 21;
+constexpr int kTemporalTargetWidth = 37;
+constexpr int kTemporalTargetHeight = 21;
 constexpr std::uint64_t kSeed = 20261125;
 
 struct Case {
-  image::Image picture = image::make_image(kWidth, kHeight, 3);
+  image::Image picture = image::make_image(kTemporalTargetWidth, kTemporalTargetHeight, 3);
   std::vector<float> residual;
   std::vector<float> weights;
   Motion motion;
@@ -28,7 +28,8 @@ struct Case {
     for (float& r : residual) r = error(random);
     weights.assign(picture.pixel_count(), 1.0F);
     for (std::size_t i = 3; i < weights.size(); i += 11) weights[i] = 0.25F;
-    motion.flow.backward = {kWidth, kHeight, std::vector<float>(2 * picture.pixel_count())};
+    motion.flow.backward = {kTemporalTargetWidth, kTemporalTargetHeight,
+                            std::vector<float>(2 * picture.pixel_count())};
     for (std::size_t i = 0; i < picture.pixel_count(); ++i) {
       motion.flow.backward.xy[2 * i] = static_cast<float>(backward.x);
       motion.flow.backward.xy[2 * i + 1] = static_cast<float>(backward.y);
@@ -46,15 +47,15 @@ TEST(TemporalTarget, WithoutAShareIsThePicture) {
 }
 
 TEST(TemporalTarget, TilesThatAreAskedForAreAsIfAllWere) {
-  constexpr std::size_t kColumns = (kWidth + 7) / 8;
-  std::vector<std::uint8_t> tiles(kColumns * ((kHeight + 7) / 8));
+  constexpr std::size_t kColumns = (kTemporalTargetWidth + 7) / 8;
+  std::vector<std::uint8_t> tiles(kColumns * ((kTemporalTargetHeight + 7) / 8));
   for (std::size_t t = 0; t < tiles.size(); ++t) tiles[t] = t % 3 > 0 ? 1 : 0;
   for (const Vec2 motion : {Vec2{0.1, 0.1}, Vec2{3, -2}}) {
     const Case c(motion);
     const image::Image all = c.target(0.5);
     const image::Image some = temporal_target(c.picture, c.residual, c.weights, c.motion, 0.5, tiles);
-    for (int y = 0; y < kHeight; ++y) {
-      for (int x = 0; x < kWidth; ++x) {
+    for (int y = 0; y < kTemporalTargetHeight; ++y) {
+      for (int x = 0; x < kTemporalTargetWidth; ++x) {
         if (!tiles[std::size_t(y / 8) * kColumns + std::size_t(x / 8)]) continue;
         for (int k = 0; k < 3; ++k) ASSERT_EQ(some.at(x, y, k), all.at(x, y, k)) << x << ", " << y;
       }
@@ -89,11 +90,11 @@ TEST(TemporalTarget, AlongTheMotionTheResidualIsInterpolated) {
   const Case c({-1.75, 0.5});
   const image::Image target = c.target(0.4);
   int taken = 0;
-  for (int y = 0; y + 1 < kHeight; ++y) {
-    for (int x = 2; x < kWidth; ++x) {
-      const auto pixel = static_cast<std::size_t>(y * kWidth + x);
-      const auto above = static_cast<std::size_t>(y * kWidth + x - 2);
-      const std::size_t below = above + kWidth;
+  for (int y = 0; y + 1 < kTemporalTargetHeight; ++y) {
+    for (int x = 2; x < kTemporalTargetWidth; ++x) {
+      const auto pixel = static_cast<std::size_t>(y * kTemporalTargetWidth + x);
+      const auto above = static_cast<std::size_t>(y * kTemporalTargetWidth + x - 2);
+      const std::size_t below = above + kTemporalTargetWidth;
       const bool ordinary = c.weights[above] == 1.0F && c.weights[above + 1] == 1.0F &&
                             c.weights[below] == 1.0F && c.weights[below + 1] == 1.0F;
       const bool is_taken = ordinary && c.motion.flow.consistent_back[pixel] != 0;

@@ -13,7 +13,7 @@
 namespace knotreel::cli {
 namespace {
 
-struct Arguments {
+struct BatchArguments {
   batch::Places places;
   std::string manifest;
   bool resume = false;
@@ -27,7 +27,7 @@ struct Arguments {
   VideoOutputOptions encoding;
 };
 
-batch::Crew crew_for(const Arguments& arguments, std::size_t items) {
+batch::Crew crew_for(const BatchArguments& arguments, std::size_t items) {
   const int cores = std::max(1, int(std::thread::hardware_concurrency()));
   const int threads = arguments.threads > 0 ? arguments.threads : std::max(cores, arguments.jobs);
   const int jobs = arguments.jobs > 0 ? arguments.jobs : cores;
@@ -56,12 +56,12 @@ void check_lot(const std::vector<batch::Item>& items, const std::string& list, c
 }
 
 /// The manifest may have standard output for itself.
-batch::Telling telling_of(const Arguments& arguments) {
+batch::Telling telling_of(const BatchArguments& arguments) {
   if (arguments.manifest == "-") return batch::Telling::kNothing;
   return arguments.verbose ? batch::Telling::kItems : batch::Telling::kSum;
 }
 
-void run_batch(const Arguments& arguments) {
+void run_batch(const BatchArguments& arguments) {
   effective_options(arguments.options, 1);  // wrong ones are told of now
   batch::Places places = arguments.places;
   places.clips_only = arguments.transcode;
@@ -89,7 +89,7 @@ void run_batch(const Arguments& arguments) {
   batch::run_lot(lot, batch::AnyJob(pictures, clips, arguments.transcode), manifest, progress);
 }
 
-void add_places(CLI::App& command, Arguments& arguments) {
+void add_places(CLI::App& command, BatchArguments& arguments) {
   command
       .add_option("INPUT", arguments.places.input,
                   "Folder of pictures and videos, or text file with one path per line;\n'-': such lines on "
@@ -109,7 +109,7 @@ void add_places(CLI::App& command, Arguments& arguments) {
                    "Go on with the manifest: skip what is done and has not changed");
 }
 
-void add_effort(CLI::App& command, Arguments& arguments) {
+void add_effort(CLI::App& command, BatchArguments& arguments) {
   command.add_option("--jobs", arguments.jobs, "Most pictures at once, up to 1024; 0: one per core")
       ->check(CLI::Range(0, 1024).description(""))
       ->type_name("N")
@@ -124,7 +124,7 @@ void add_effort(CLI::App& command, Arguments& arguments) {
   add_threads_option(command, arguments.threads);
 }
 
-void add_clips(CLI::App& command, Arguments& arguments) {
+void add_clips(CLI::App& command, BatchArguments& arguments) {
   command.option_defaults()->group("Videos");
   command.add_flag("--transcode", arguments.transcode,
                    "Turn videos into videos (.mp4) as 'knotreel transcode' does, and leave\nout pictures");
@@ -134,7 +134,7 @@ void add_clips(CLI::App& command, Arguments& arguments) {
   command.option_defaults()->group("Options");
 }
 
-constexpr const char* kFooter = R"(
+constexpr const char* kBatchFooter = R"(
 photo.png becomes photo.tcb and clip.mp4 clip.tcb, as 'knotreel vectorize' makes them. Those that would get the same
 document keep their extensions: a.png.tcb, a.jpg.tcb. What cannot be read does not stop the others.
 Exit codes: 0 all done, 3 some inputs failed, 4 some outputs could not be written, 130 interrupted.
@@ -148,12 +148,12 @@ Examples:
 
 void add_batch_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("batch", "Turn many pictures and videos into vector documents");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<BatchArguments>();
   add_places(*command, *arguments);
   add_vectorize_options(*command, arguments->options, "2.75%, of videos 2%");
   add_effort(*command, *arguments);
   add_clips(*command, *arguments);
-  command->footer(kFooter);
+  command->footer(kBatchFooter);
   command->callback([arguments] { run_batch(*arguments); });
 }
 

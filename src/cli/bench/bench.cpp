@@ -23,7 +23,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-struct Arguments {
+struct BenchArguments {
   std::vector<std::string> clips;
   std::vector<std::string> sizes;
   std::vector<std::string> presets{"balanced"};
@@ -63,7 +63,7 @@ std::vector<std::string> encoding_words(const VideoOutputOptions& options) {
   return words;
 }
 
-bench::Setting setting_of(const Arguments& arguments, const std::string& preset) {
+bench::Setting setting_of(const BenchArguments& arguments, const std::string& preset) {
   bench::Setting setting{preset, arguments.threads, encoding_words(arguments.encoding), {}};
   if (!arguments.max_control_points.empty()) {
     setting.vectorization = {"--max-control-points", arguments.max_control_points};
@@ -74,7 +74,7 @@ bench::Setting setting_of(const Arguments& arguments, const std::string& preset)
 }
 
 /// Of clips without a size of their own, all that are usual; files stay as they are.
-std::vector<std::optional<Size>> sizes_of(const Arguments& arguments) {
+std::vector<std::optional<Size>> sizes_of(const BenchArguments& arguments) {
   std::vector<std::optional<Size>> sizes;
   for (const std::string& text : arguments.sizes) sizes.emplace_back(parse_size("--size", text));
   if (!sizes.empty()) return sizes;
@@ -83,7 +83,7 @@ std::vector<std::optional<Size>> sizes_of(const Arguments& arguments) {
 }
 
 /// Adds to `result` as it goes on, so that something is left after an interruption.
-void measure_all(const Arguments& arguments, Json& result) {
+void measure_all(const BenchArguments& arguments, Json& result) {
   const bench::Scratch scratch;
   ProgressLine line;
   const auto& clips = arguments.clips.empty() ? media::bench_clip_names() : arguments.clips;
@@ -103,7 +103,7 @@ void measure_all(const Arguments& arguments, Json& result) {
   }
 }
 
-void measure(const Arguments& arguments) {
+void measure(const BenchArguments& arguments) {
   Json result = bench::surroundings_json();
   result["arguments"] = {{"max_control_points", arguments.max_control_points},
                          {"transcode_options", arguments.transcode_options},
@@ -124,13 +124,13 @@ void measure(const Arguments& arguments) {
   check_interrupted();
 }
 
-void check_outputs(const Arguments& arguments) {
+void check_outputs(const BenchArguments& arguments) {
   std::vector<Output> outputs{{arguments.json}, video_output(arguments.passthrough)};
   if (arguments.markdown || !arguments.passthrough.empty()) outputs.push_back({"-"});
   check_paths(arguments.clips, outputs);
 }
 
-void run(const Arguments& arguments) {
+void run(const BenchArguments& arguments) {
   check_outputs(arguments);
   if (!arguments.compare.empty()) {
     const bench::Result before = read_result(arguments.compare[0]);
@@ -147,7 +147,7 @@ void run(const Arguments& arguments) {
   }
 }
 
-void add_work(CLI::App& command, Arguments& arguments) {
+void add_work(CLI::App& command, BenchArguments& arguments) {
   command
       .add_option("CLIPS", arguments.clips,
                   "Videos, or names of clips that are drawn for it: static, pan, cuts,\n"
@@ -184,7 +184,7 @@ void add_work(CLI::App& command, Arguments& arguments) {
   add_video_output_options(command, arguments.encoding);
 }
 
-void add_reports(CLI::App& command, Arguments& arguments) {
+void add_reports(CLI::App& command, BenchArguments& arguments) {
   command.add_option("--json", arguments.json, "Write all figures, with machine, compiler and commit")
       ->type_name("FILE");
   command.add_flag("--markdown", arguments.markdown, "Print tables in Markdown");
@@ -203,7 +203,7 @@ void add_reports(CLI::App& command, Arguments& arguments) {
       ->type_name("FILE");
 }
 
-constexpr const char* kFooter = R"(
+constexpr const char* kBenchFooter = R"(
 Each run is a process of its own, 'knotreel transcode', and beside it the same clip is only decoded and encoded:
 that is the ceiling. docs/benchmarks.md tells what the figures mean.
 Examples:
@@ -216,10 +216,10 @@ Examples:
 
 void add_bench_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("bench", "Measure speed, memory and quality on clips");
-  const auto arguments = std::make_shared<Arguments>();
+  const auto arguments = std::make_shared<BenchArguments>();
   add_work(*command, *arguments);
   add_reports(*command, *arguments);
-  command->footer(kFooter);
+  command->footer(kBenchFooter);
   command->callback([arguments] { run(*arguments); });
 }
 
