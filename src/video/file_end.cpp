@@ -1,11 +1,13 @@
 #include "file_end.h"
 
 #include <algorithm>
+#include <array>
 #include <bit>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
 #include <string_view>
+#include <utility>
 
 namespace knotreel::video {
 namespace {
@@ -78,9 +80,17 @@ bool lacks_marker(std::ifstream& file, std::uint64_t size, std::string_view mark
   return !end.ends_with(marker);
 }
 
-/// Of a transport stream: packets have 188 bytes, with a time 192, with a checksum 204.
-bool is_inside_a_packet(std::uint64_t size) {
-  return size % 188 != 0 && size % 192 != 0 && size % 204 != 0;
+/// The last two packets must be whole: each begins with 0x47, and has 188 bytes, with a time before it 192,
+/// with a checksum 204. Where the first packet begins does not matter.
+bool transport_stream_lacks_its_end(std::ifstream& file, std::uint64_t size) {
+  constexpr std::array<std::pair<std::size_t, std::size_t>, 3> kPackets{{{188, 0}, {192, 4}, {204, 0}}};
+  const std::size_t count = std::size_t(std::min<std::uint64_t>(size, 2 * 204));
+  const std::string end = read_part(file, size - count, count);
+  return std::none_of(kPackets.begin(), kPackets.end(), [&](const auto& packet) {
+    const auto [bytes, sync] = packet;
+    if (end.size() < 2 * bytes) return true;
+    return end[end.size() - bytes + sync] == 'G' && end[end.size() - 2 * bytes + sync] == 'G';
+  });
 }
 
 }  // namespace
@@ -95,7 +105,7 @@ bool lacks_its_end(const std::string& path, const std::string& format) {
   if (format == "ogg") return ogg_lacks_its_end(file, size);
   if (format == "gif") return lacks_marker(file, size, "\x3B");
   if (format == "apng") return lacks_marker(file, size, "IEND\xAE\x42\x60\x82");
-  if (format == "mpegts") return is_inside_a_packet(size);
+  if (format == "mpegts") return transport_stream_lacks_its_end(file, size);
   if (format == "mjpeg") return lacks_marker(file, size, "\xFF\xD9");
   return false;
 }

@@ -98,6 +98,8 @@ TEST(Damage, TransportStreamsCutInsideAPacketAreTold) {
   write_clip(dir / "a.ts", moving_pattern(64, 48, 3, 30), with_codec("h264"));
   EXPECT_TRUE(read_clip(dir / "a.ts").warnings.empty());
   const std::string bytes = read_text(dir / "a.ts");
+  write_text(dir / "b.ts", "caught inside a packet" + bytes);
+  EXPECT_TRUE(read_clip(dir / "b.ts").warnings.empty());
   for (const std::size_t missing : {1, 100, 189}) {
     write_text(dir / "b.ts", bytes.substr(0, bytes.size() - missing));
     EXPECT_FALSE(read_clip(dir / "b.ts").warnings.empty()) << missing;
