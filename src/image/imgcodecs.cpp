@@ -28,9 +28,8 @@ Loaded load() {
   // library has no functions with plain names.
   find(library, "_ZN2cv8imdecodeERKNS_11_InputArrayEi", loaded.functions.decode, loaded.why);
   find(library,
-       "_ZN2cv8imencodeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEERKNS_11_"
-       "InputArrayERSt6vectorIhSaIhEE"
-       "RKSB_IiSaIiEE",
+       "_ZN2cv8imencodeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE"
+       "RKNS_11_InputArrayERSt6vectorIhSaIhEERKSB_IiSaIiEE",
        loaded.functions.encode, loaded.why);
   return loaded;
 }

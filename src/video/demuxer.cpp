@@ -57,10 +57,7 @@ bool reads_pictures(const AVInputFormat& format) {
 }
 
 Demuxer::Demuxer(const std::string& input, const ReadOptions& options)
-    : input_(input),
-      cannot_read_(knotreel::cannot_read(input, "video")),
-      name_(input == "-" ? "standard input" : "'" + input + "'"),
-      copy_(options.copy_streams) {
+    : input_(input), cannot_read_(knotreel::cannot_read(input, "video")), copy_(options.copy_streams) {
   check_file(input, cannot_read_);
   open(input, options);
   const int found = avformat_find_stream_info(format_.get(), nullptr);
@@ -92,7 +89,10 @@ void Demuxer::choose_video() {
   for (unsigned i = 0; i < format_->nb_streams && video_ < 0; ++i) {
     if (has_picture(*format_->streams[i])) video_ = int(i);
   }
-  if (video_ < 0) throw Error(ErrorKind::kInput, name_ + " has no video stream");
+  if (video_ < 0) {
+    const std::string name = input_ == "-" ? "standard input" : "'" + input_ + "'";
+    throw Error(ErrorKind::kInput, name + " has no video stream");
+  }
 }
 
 void Demuxer::discard_others() {

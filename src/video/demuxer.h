@@ -42,7 +42,7 @@ class Demuxer {
   void discard_others();
   bool ends_in_a_frame() const;
 
-  std::string input_, cannot_read_, name_;
+  std::string input_, cannot_read_;
   std::unique_ptr<AVFormatContext, Closer> format_;
   int video_ = -1;
   std::int64_t packets_end_ = 0;  ///< of those read so far, bytes

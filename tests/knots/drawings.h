@@ -63,6 +63,7 @@ inline mesh::KnotMesh scattered_mesh(double width, double height, double spacing
   return mesh;
 }
 
+/// Fails with the defect of a mesh that has one.
 inline void expect_sound(const mesh::EditableMesh& mesh) {
   const auto defect = find_defect(mesh.to_mesh());
   EXPECT_FALSE(defect) << *defect;
