@@ -1,6 +1,7 @@
 #include "knotreel/base/input_file.h"
 
 #include <fcntl.h>
+#include <poll.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -19,6 +20,23 @@ namespace {
   throw Error(ErrorKind::kInput, cannot_read(path, kind) + why);
 }
 
+void (*check_while_waiting)() = nullptr;
+
+/// Until a pipe has something to give, or nobody writes to it any more. A named one may have had no writer
+/// yet.
+void wait_for_input(int descriptor) {
+  constexpr int kMilliseconds = 100;
+  pollfd wait{descriptor, POLLIN, 0};
+  while (::poll(&wait, 1, kMilliseconds) <= 0) {
+    if (check_while_waiting != nullptr) check_while_waiting();
+  }
+}
+
+bool is_pipe(int descriptor) {
+  struct stat status {};
+  return ::fstat(descriptor, &status) == 0 && S_ISFIFO(status.st_mode);
+}
+
 /// An open descriptor; standard input is not closed.
 class Descriptor {
  public:
@@ -27,7 +45,10 @@ class Descriptor {
       value_ = STDIN_FILENO;
       return;
     }
-    value_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+    std::error_code ignored;
+    // To open a named pipe would wait for its writer, and hear nothing.
+    const int wait = std::filesystem::is_fifo(path, ignored) ? O_NONBLOCK : 0;
+    value_ = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | wait);
     if (value_ < 0) fail(path, kind, std::generic_category().message(errno));
     owned_ = true;
   }
@@ -47,10 +68,12 @@ class Descriptor {
 std::size_t read_into(int descriptor, std::byte* to, std::size_t count, const std::filesystem::path& path,
                       const std::string& kind) {
   std::size_t got = 0;
+  const bool pipe = is_pipe(descriptor);
   while (got < count) {
+    if (pipe) wait_for_input(descriptor);
     const ssize_t done = ::read(descriptor, to + got, count - got);
     if (done < 0) {
-      if (errno == EINTR) continue;
+      if (errno == EINTR || errno == EAGAIN) continue;
       fail(path, kind, std::generic_category().message(errno));
     }
     if (done == 0) break;
@@ -60,6 +83,10 @@ std::size_t read_into(int descriptor, std::byte* to, std::size_t count, const st
 }
 
 }  // namespace
+
+void set_check_while_waiting(void (*check)()) {
+  check_while_waiting = check;
+}
 
 std::string cannot_read(const std::filesystem::path& path, const std::string& kind) {
   std::string message = "cannot read ";

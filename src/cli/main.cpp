@@ -12,6 +12,7 @@
 #include "cli/interrupt.h"
 #include "cli/standard_error.h"
 #include "knotreel/base/error.h"
+#include "knotreel/base/input_file.h"
 #include "knotreel/base/output_file.h"
 
 namespace {
@@ -100,6 +101,7 @@ int main(int argc, char** argv) {
   knotreel::cli::keep_standard_error();
   keep_freed_memory();
   knotreel::cli::install_signal_handlers();
+  knotreel::set_check_while_waiting(knotreel::cli::check_interrupted);
   try {
     run(argc, argv);
     return 0;

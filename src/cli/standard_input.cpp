@@ -59,10 +59,13 @@ std::vector<std::byte> peek_standard_input(std::size_t count) {
 std::string pipe_as_standard_input(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0 || !S_ISFIFO(status.st_mode)) return path;
-  const int pipe = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // To open it would wait for its writer, and hear nothing.
+  const int pipe = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   if (pipe < 0) return path;  // to be told by who reads it
   ::dup2(pipe, STDIN_FILENO);
   ::close(pipe);
+  peek_standard_input(1);
+  ::fcntl(STDIN_FILENO, F_SETFL, ::fcntl(STDIN_FILENO, F_GETFL) & ~O_NONBLOCK);
   return "-";
 }
 

@@ -12,7 +12,8 @@ namespace knotreel::cli {
 std::vector<std::byte> peek_standard_input(std::size_t count);
 
 /// Makes a named pipe standard input, which can be looked at before it is read.
-/// @return "-"; of all else the path that was given.
+/// @return "-", once somebody writes to it; of all else the path that was given.
+/// @throws Error{kInterrupted} after a signal.
 std::string pipe_as_standard_input(const std::string& path);
 
 }  // namespace knotreel::cli

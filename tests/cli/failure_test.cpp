@@ -218,6 +218,21 @@ TEST(CliInterrupt, AWriterThatTakesItsTimeIsNotWaitedFor) {
         {.input = input, .keep_input_open = true, .signal_once = sample.picture, .signal = SIGINT});
     expect_failure(result, 130);
   }
+  const std::string nobody_writes = sample.path("pipe");
+  ASSERT_EQ(::mkfifo(nobody_writes.c_str(), 0600), 0);
+  const std::vector<std::vector<std::string>> commands{
+      {"render", "-", "-o", sample.path("out.png")},
+      {"render", nobody_writes, "-o", sample.path("out.png")},
+      {"info", nobody_writes},
+      {"compare", nobody_writes, sample.picture}};
+  for (const auto& command : commands) {
+    SCOPED_TRACE(testing::PrintToString(command));
+    expect_failure(
+        test::knotreel(
+            command,
+            {.input = "\x89TCB", .keep_input_open = true, .signal_once = sample.picture, .signal = SIGINT}),
+        130);
+  }
 }
 
 }  // namespace

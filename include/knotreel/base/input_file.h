@@ -8,6 +8,10 @@
 
 namespace knotreel {
 
+/// What read_whole() calls ten times a second while a pipe has nothing to give; it may throw to give up. None
+/// at first. Set it before any reading.
+void set_check_while_waiting(void (*check)());
+
 /// Reads at most `count` bytes from the start of a file; fewer if it is shorter. Not for `-`.
 /// @throws Error{kInput} with the system's reason.
 std::vector<std::byte> read_start(const std::filesystem::path& path, std::size_t count);
