@@ -3,13 +3,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstring>
 #include <iterator>
 #include <memory>
 #include <numeric>
 #include <optional>
 #include <vector>
 
+#include "base/lanes.h"
 #include "base/multiversion.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
@@ -24,12 +24,11 @@ using spline::PixelValues;
 constexpr int kTile = PixelValues::kSide;
 constexpr std::size_t kTilePixels = PixelValues::kTilePixels;
 
-/// A row of pixels of a tile.
+/// Pixels that are multiplied side by side: a row of a tile, or half of one.
 template <class Value>
-struct RowOf {
-  using Type [[gnu::vector_size(kTile * sizeof(Value))]] = Value;
-  using Half [[gnu::vector_size(kTile / 2 * sizeof(Value))]] = Value;
-};
+using RowLanes = LanesOf<Value, 32 / sizeof(Value)>;
+template <class Value>
+using FourLanes = LanesOf<Value, 4>;
 
 constexpr std::size_t kBlock = 4;          ///< functions that are multiplied with as many others at a time
 constexpr std::size_t kChannels = kBlock;  ///< of a picture, at most: they are multiplied like functions
@@ -96,40 +95,59 @@ TilePixels<Value> pixels_of(const image::Image& target, std::span<const float> w
   return pixels;
 }
 
-/// The sums of the lanes of four vectors.
+/// Writes the sums of four rows of a tile, of which the halves are added up already.
 template <class Value>
-[[gnu::always_inline]] inline void sum_lanes(const typename RowOf<Value>::Type (&rows)[kBlock],
-                                             Value* __restrict out) {
-  using Half = typename RowOf<Value>::Half;
-  Half halves[kBlock];
-  for (std::size_t j = 0; j < kBlock; ++j) {
-    halves[j] = __builtin_shufflevector(rows[j], rows[j], 0, 1, 2, 3) +
-                __builtin_shufflevector(rows[j], rows[j], 4, 5, 6, 7);
-  }
-  Half pairs[2];
+[[gnu::always_inline]] inline void sum_lanes(const typename FourLanes<Value>::Type (&halves)[kBlock],
+                                             Value* out) {
+  typename FourLanes<Value>::Type pairs[2];
   for (std::size_t j = 0; j < 2; ++j) {
     pairs[j] = __builtin_shufflevector(halves[2 * j], halves[2 * j + 1], 0, 1, 4, 5) +
                __builtin_shufflevector(halves[2 * j], halves[2 * j + 1], 2, 3, 6, 7);
   }
-  const Half four = __builtin_shufflevector(pairs[0], pairs[1], 0, 2, 4, 6) +
-                    __builtin_shufflevector(pairs[0], pairs[1], 1, 3, 5, 7);
-  std::memcpy(out, &four, sizeof four);
+  FourLanes<Value>::store(__builtin_shufflevector(pairs[0], pairs[1], 0, 2, 4, 6) +
+                              __builtin_shufflevector(pairs[0], pairs[1], 1, 3, 5, 7),
+                          out);
 }
 
+/// Products of kBlock functions with as many others at the same columns of a tile, summed over its rows.
 template <class Value>
-[[gnu::always_inline]] inline void sum_products(const Value* a, const Value* b, Value* out) {
-  using Row = typename RowOf<Value>::Type;
-  Row sums[kBlock][kBlock] = {};
+[[gnu::always_inline]] inline void sum_columns(const Value* a, const Value* b,
+                                               typename RowLanes<Value>::Type (&sums)[kBlock][kBlock]) {
+  using Lanes = RowLanes<Value>;
   for (std::size_t p = 0; p < kTilePixels; p += kTile) {
-    Row right[kBlock];
-    for (std::size_t j = 0; j < kBlock; ++j) std::memcpy(&right[j], b + j * kTilePixels + p, sizeof(Row));
+    typename Lanes::Type right[kBlock];
+    for (std::size_t j = 0; j < kBlock; ++j) Lanes::load(b + j * kTilePixels + p, right[j]);
     for (std::size_t i = 0; i < kBlock; ++i) {
-      Row left;
-      std::memcpy(&left, a + i * kTilePixels + p, sizeof left);
+      typename Lanes::Type left;
+      Lanes::load(a + i * kTilePixels + p, left);
       for (std::size_t j = 0; j < kBlock; ++j) sums[i][j] += left * right[j];
     }
   }
-  for (std::size_t i = 0; i < kBlock; ++i) sum_lanes(sums[i], out + i * kBlock);
+}
+
+[[gnu::always_inline]] inline void sum_products(const float* a, const float* b, float* out) {
+  RowLanes<float>::Type sums[kBlock][kBlock] = {};
+  sum_columns(a, b, sums);
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    FourLanes<float>::Type halves[kBlock];
+    for (std::size_t j = 0; j < kBlock; ++j) {
+      halves[j] = __builtin_shufflevector(sums[i][j], sums[i][j], 0, 1, 2, 3) +
+                  __builtin_shufflevector(sums[i][j], sums[i][j], 4, 5, 6, 7);
+    }
+    sum_lanes(halves, out + i * kBlock);
+  }
+}
+
+[[gnu::always_inline]] inline void sum_products(const double* a, const double* b, double* out) {
+  RowLanes<double>::Type left[kBlock][kBlock] = {};
+  RowLanes<double>::Type right[kBlock][kBlock] = {};
+  sum_columns(a, b, left);
+  sum_columns(a + kTile / 2, b + kTile / 2, right);
+  for (std::size_t i = 0; i < kBlock; ++i) {
+    FourLanes<double>::Type halves[kBlock];
+    for (std::size_t j = 0; j < kBlock; ++j) halves[j] = left[i][j] + right[i][j];
+    sum_lanes(halves, out + i * kBlock);
+  }
 }
 
 /// All products of kBlock functions with kBlock others, summed over the pixels of a tile: columns first, so

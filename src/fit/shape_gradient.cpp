@@ -1,8 +1,8 @@
 #include "fit/shape_gradient.h"
 
 #include <algorithm>
-#include <cstring>
 
+#include "base/lanes.h"
 #include "base/multiversion.h"
 #include "knotreel/spline/pixel_values.h"
 
@@ -19,7 +19,8 @@ constexpr std::size_t kLanes = 8;
 constexpr std::size_t kPlanes = ShapeGradient::kPlanes;
 
 /// Pixels that are summed side by side: a fixed order, whatever the width of vectors.
-using Lanes [[gnu::vector_size(kLanes * sizeof(float))]] = float;
+using PixelLanes = LanesOf<float, kLanes>;
+using Lanes = PixelLanes::Type;
 
 using SinglePlane = spline::PlaneIn<float>;
 
@@ -151,9 +152,9 @@ template <bool Walls, bool Factor>
     Lanes sum_y{};
     for (std::size_t i = 0; used[k] && i < kPixels; i += kLanes) {
       Lanes o, ux, uy;
-      std::memcpy(&o, quantities[k] + i, sizeof o);
-      std::memcpy(&ux, x + i, sizeof ux);
-      std::memcpy(&uy, y + i, sizeof uy);
+      PixelLanes::load(quantities[k] + i, o);
+      PixelLanes::load(x + i, ux);
+      PixelLanes::load(y + i, uy);
       sum += o;
       sum_x += o * ux;
       sum_y += o * uy;

@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstring>
 #include <limits>
 #include <numeric>
 #include <string>
 #include <vector>
 
+#include "base/lanes.h"
 #include "base/multiversion.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
@@ -27,12 +27,11 @@ struct RowSums {
   return static_cast<int>(std::clamp(double{sample}, 0.0, 255.0) + 0.5);
 }
 
-/// Columns side by side, for wide vectors.
-constexpr std::size_t kLanes = 8;
-using Lanes [[gnu::vector_size(kLanes * sizeof(double))]] = double;
+constexpr std::size_t kLanes = 4;
+using Lanes = LanesOf<double, kLanes>::Type;
 
 double sum_of(const Lanes& v) {
-  return ((v[0] + v[4]) + (v[2] + v[6])) + ((v[1] + v[5]) + (v[3] + v[7]));
+  return (v[0] + v[2]) + (v[1] + v[3]);
 }
 
 /// Squared lengths of the colour errors of `count` pixels.
@@ -123,46 +122,70 @@ struct MomentRows {
 };
 
 /// Mean SSIM of one row of windows: the vertical sums of the products first, then the horizontal ones.
-KNOTREEL_MULTIVERSION
-double ssim_row(const Plane& a, const Plane& b, int top, const std::vector<double>& vertical,
-                const std::vector<double>& horizontal, MomentRows& columns) {
+/// @tparam N columns side by side; the result does not depend on it.
+template <std::size_t N>
+[[gnu::always_inline]] inline double ssim_row_by(const Plane& a, const Plane& b, int top,
+                                                 const std::vector<double>& vertical,
+                                                 const std::vector<double>& horizontal, MomentRows& columns) {
+  using Side = LanesOf<double, N>;
+  using Columns = typename Side::Type;
   const auto width = std::size_t(a.width);
-  for (std::size_t x = 0; x < width; x += kLanes) {
-    Lanes sums[kMoments] = {};
+  for (std::size_t x = 0; x < width; x += N) {
+    Columns sums[kMoments] = {};
     for (std::size_t j = 0; j < vertical.size(); ++j) {
-      Lanes p;
-      Lanes q;
-      std::memcpy(&p, a.row(top + int(j)) + x, sizeof p);
-      std::memcpy(&q, b.row(top + int(j)) + x, sizeof q);
+      Columns p;
+      Columns q;
+      Side::load(a.row(top + int(j)) + x, p);
+      Side::load(b.row(top + int(j)) + x, q);
       const double weight = vertical[j];
       sums[0] += weight * p;
       sums[1] += weight * q;
       sums[2] += weight * (p * p + q * q);
       sums[3] += weight * (p * q);
     }
-    for (std::size_t k = 0; k < kMoments; ++k) std::memcpy(columns[k] + x, &sums[k], sizeof sums[k]);
+    for (std::size_t k = 0; k < kMoments; ++k) Side::store(sums[k], columns[k] + x);
   }
   const std::size_t windows = width - horizontal.size() + 1;
   constexpr double kC1 = (0.01 * 255) * (0.01 * 255);
   constexpr double kC2 = (0.03 * 255) * (0.03 * 255);
   double sum = 0;
-  for (std::size_t x = 0; x < windows; x += kLanes) {
-    Lanes m[kMoments] = {};
+  for (std::size_t x = 0; x < windows; x += N) {
+    Columns m[kMoments] = {};
     for (std::size_t i = 0; i < horizontal.size(); ++i) {
       for (std::size_t k = 0; k < kMoments; ++k) {
-        Lanes from;
-        std::memcpy(&from, columns[k] + x + i, sizeof from);
+        Columns from;
+        Side::load(columns[k] + x + i, from);
         m[k] += horizontal[i] * from;
       }
     }
-    const Lanes product = m[0] * m[1];
-    const Lanes squares = m[0] * m[0] + m[1] * m[1];
-    const Lanes ssim =
+    const Columns product = m[0] * m[1];
+    const Columns squares = m[0] * m[0] + m[1] * m[1];
+    const Columns ssim =
         (2 * product + kC1) * (2 * (m[3] - product) + kC2) / ((squares + kC1) * (m[2] - squares + kC2));
-    for (std::size_t l = 0; l < std::min(kLanes, windows - x); ++l) sum += ssim[l];
+    for (std::size_t l = 0; l < std::min(N, windows - x); ++l) sum += ssim[l];
   }
   return sum / double(windows);
 }
+
+using SsimRow = double (*)(const Plane&, const Plane&, int, const std::vector<double>&,
+                           const std::vector<double>&, MomentRows&);
+
+double ssim_row(const Plane& a, const Plane& b, int top, const std::vector<double>& vertical,
+                const std::vector<double>& horizontal, MomentRows& columns) {
+  return ssim_row_by<2>(a, b, top, vertical, horizontal, columns);
+}
+
+#ifdef KNOTREEL_WIDE
+KNOTREEL_WIDE
+double wide_ssim_row(const Plane& a, const Plane& b, int top, const std::vector<double>& vertical,
+                     const std::vector<double>& horizontal, MomentRows& columns) {
+  return ssim_row_by<4>(a, b, top, vertical, horizontal, columns);
+}
+
+const SsimRow kSsimRow = has_wide_vectors() ? wide_ssim_row : ssim_row;
+#else
+constexpr SsimRow kSsimRow = ssim_row;
+#endif
 
 double mean_ssim(const Plane& a, const Plane& b) {
   const std::vector<double> vertical = window(a.height);
@@ -171,7 +194,7 @@ double mean_ssim(const Plane& a, const Plane& b) {
   parallel_for(rows.size(), [&](std::size_t y) {
     thread_local MomentRows columns;
     columns.resize(std::size_t(a.width));
-    rows[y] = ssim_row(a, b, int(y), vertical, horizontal, columns);
+    rows[y] = kSsimRow(a, b, int(y), vertical, horizontal, columns);
   });
   return std::accumulate(rows.begin(), rows.end(), 0.0) / double(rows.size());
 }
