@@ -12,6 +12,7 @@ extern "C" {
 #include <utility>
 #include <vector>
 
+#include "base/multiversion.h"
 #include "colour_rules.h"
 #include "image_to_frame.h"
 #include "knotreel/base/error.h"
@@ -87,6 +88,13 @@ struct Codes {
   LumaWeights weights;
 };
 
+KNOTREEL_MULTIVERSION
+void scale_line(const std::uint32_t* raw, float code, float zero, float factor, std::size_t count,
+                float* line) {
+  for (std::size_t x = 0; x < count; ++x)
+    line[x] = (float(std::int32_t(raw[x])) * code - zero) * factor;  // at most 16 bits
+}
+
 /// A line of a component: codes from 0 on, as 0..255 for luma and alpha, about 0 for chroma.
 void read_line(const AVFrame& frame, int component, int y, const Codes& codes, std::vector<float>& line) {
   const AVPixFmtDescriptor& format = descriptor(frame);
@@ -101,28 +109,49 @@ void read_line(const AVFrame& frame, int component, int y, const Codes& codes, s
   const float zero = chroma ? 128 * step : full ? 0 : 16 * step;
   const float range = full ? float((1 << codes.depth) - 1) : (chroma ? 224 : 219) * step;
   line.resize(raw.size());
-  for (std::size_t x = 0; x < line.size(); ++x) line[x] = (float(raw[x]) * code - zero) * (255.0F / range);
+  scale_line(raw.data(), code, zero, 255.0F / range, line.size(), line.data());
+}
+
+template <std::size_t Channels>
+[[gnu::always_inline]] inline void colours_of(const float* __restrict luma, const float* __restrict blue,
+                                              const float* __restrict red, const LumaWeights& weights,
+                                              std::size_t count, float* __restrict pixels) {
+  const float to_red = 2 * (1 - weights.red), to_blue = 2 * (1 - weights.blue);
+  const float wr = weights.red, wg = weights.green(), wb = weights.blue;
+  const auto clamped = [](float value) {
+    const float low = value < 0 ? 0 : value;
+    return low > 255 ? 255 : low;
+  };
+  for (std::size_t x = 0; x < count; ++x) {
+    const float r = luma[x] + to_red * red[x], b = luma[x] + to_blue * blue[x];
+    const float g = (luma[x] - wr * r - wb * b) / wg;
+    float* const p = pixels + x * Channels;
+    p[0] = clamped(r);
+    p[1] = clamped(g);
+    p[2] = clamped(b);
+  }
+}
+
+/// RGB of a line, with room for alpha or without.
+KNOTREEL_MULTIVERSION
+void colour_line(const float* luma, const float* blue, const float* red, const LumaWeights& weights,
+                 std::size_t channels, std::size_t count, float* pixels) {
+  if (channels == 3) return colours_of<3>(luma, blue, red, weights, count, pixels);
+  return colours_of<4>(luma, blue, red, weights, count, pixels);
 }
 
 /// The top left part of a frame that has chroma for every pixel.
 image::Image from_luma_and_chroma(const AVFrame& frame, int width, int height, const Codes& codes) {
   const bool alpha = has_alpha(descriptor(frame));
   image::Image image = image::make_image(width, height, alpha ? 4 : 3);
-  const LumaWeights& weights = codes.weights;
   parallel_for(std::size_t(height), [&](std::size_t row) {
     const int y = int(row);
     thread_local std::vector<float> luma, blue, red;
     read_line(frame, 0, y, codes, luma);
     read_line(frame, 1, y, codes, blue);
     read_line(frame, 2, y, codes, red);
-    for (std::size_t x = 0; x < std::size_t(width); ++x) {
-      const float r = luma[x] + 2 * (1 - weights.red) * red[x],
-                  b = luma[x] + 2 * (1 - weights.blue) * blue[x];
-      const float g = (luma[x] - weights.red * r - weights.blue * b) / weights.green();
-      image.at(int(x), y, 0) = std::clamp(r, 0.0F, 255.0F);
-      image.at(int(x), y, 1) = std::clamp(g, 0.0F, 255.0F);
-      image.at(int(x), y, 2) = std::clamp(b, 0.0F, 255.0F);
-    }
+    colour_line(luma.data(), blue.data(), red.data(), codes.weights, std::size_t(image.channels),
+                std::size_t(width), image.row(y).data());
     if (!alpha) return;
     read_line(frame, 3, y, codes, luma);
     for (std::size_t x = 0; x < std::size_t(width); ++x) image.at(int(x), y, 3) = luma[x];

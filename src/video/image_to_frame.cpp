@@ -4,6 +4,7 @@
 #include <cstring>
 #include <vector>
 
+#include "base/multiversion.h"
 #include "colour_rules.h"
 #include "knotreel/base/parallel.h"
 
@@ -20,14 +21,35 @@ struct Job {
   bool full;
 };
 
-float sample(const image::Image& image, int x, int y, int colour) {
-  return image.at(x, y, image.colour_channels() == 1 ? 0 : colour);
+template <std::size_t Channels>
+[[gnu::always_inline]] inline void luma_of(const float* __restrict pixels, const LumaWeights& weights,
+                                           std::size_t count, float* __restrict luma) {
+  const float red = weights.red, green = weights.green(), blue = weights.blue;
+  for (std::size_t x = 0; x < count; ++x) {
+    const float* const p = pixels + x * Channels;
+    luma[x] = red * p[0] + green * p[1] + blue * p[2];
+  }
 }
 
-float luma(const Job& job, int x, int y) {
-  if (job.image.colour_channels() == 1) return job.image.at(x, y, 0);
-  return job.weights.red * job.image.at(x, y, 0) + job.weights.green() * job.image.at(x, y, 1) +
-         job.weights.blue * job.image.at(x, y, 2);
+/// Of a line of RGB, with alpha or without.
+KNOTREEL_MULTIVERSION
+void luma_line(const float* pixels, std::size_t channels, const LumaWeights& weights, std::size_t count,
+               float* luma) {
+  if (channels == 3) return luma_of<3>(pixels, weights, count, luma);
+  return luma_of<4>(pixels, weights, count, luma);
+}
+
+/// Of a row, or its values if it is grey.
+std::vector<float>& luma_row(const Job& job, int row) {
+  thread_local std::vector<float> luma;
+  const auto width = std::size_t(job.image.width);
+  luma.resize(width);
+  if (job.image.colour_channels() == 1) {
+    for (std::size_t x = 0; x < width; ++x) luma[x] = job.image.at(int(x), row, 0);
+  } else {
+    luma_line(job.image.row(row).data(), std::size_t(job.image.channels), job.weights, width, luma.data());
+  }
+  return luma;
 }
 
 /// Weights of the pixels first, first + 1, ... along one axis, for a chroma sample of a cell of pixels.
@@ -41,86 +63,139 @@ Taps taps(int cell, double place) {
   return {0, std::vector<float>(std::size_t(cell), 1.0F / float(cell))};
 }
 
-/// Adds the chroma of a row of pixels, on the scale -127.5..127.5, times a weight. which: 1 blue, 2 red.
-void add_chroma(const Job& job, int row, int which, float weight, std::vector<float>& sums) {
-  const float to_chroma = weight / (2 * (1 - (which == 1 ? job.weights.blue : job.weights.red)));
-  for (int x = 0; x < job.image.width; ++x)
-    sums[std::size_t(x)] += to_chroma * (job.image.at(x, row, which == 1 ? 2 : 0) - luma(job, x, row));
+template <std::size_t Channels>
+[[gnu::always_inline]] inline void add_chroma_of(const float* __restrict pixels, const float* __restrict luma,
+                                                 float to_blue, float to_red, std::size_t count,
+                                                 float* __restrict blue, float* __restrict red) {
+  for (std::size_t x = 0; x < count; ++x) {
+    blue[x] += to_blue * (pixels[x * Channels + 2] - luma[x]);
+    red[x] += to_red * (pixels[x * Channels] - luma[x]);
+  }
 }
 
-std::uint32_t stored(const Job& job, int component, float value, float factor, float offset) {
+/// Adds the chroma of a line of RGB, times factors.
+KNOTREEL_MULTIVERSION
+void add_chroma_line(const float* pixels, std::size_t channels, const float* luma, float to_blue,
+                     float to_red, std::size_t count, float* blue, float* red) {
+  if (channels == 3) return add_chroma_of<3>(pixels, luma, to_blue, to_red, count, blue, red);
+  return add_chroma_of<4>(pixels, luma, to_blue, to_red, count, blue, red);
+}
+
+/// Blue and red chroma of a row of pixels, on the scale -127.5..127.5.
+struct ChromaSums {
+  std::vector<float> blue, red;
+
+  void clear(std::size_t width) {
+    blue.assign(width, 0.0F);
+    red.assign(width, 0.0F);
+  }
+
+  /// Adds those of a row of the picture, which has colours, times a weight.
+  void add(const Job& job, int row, float weight) {
+    add_chroma_line(job.image.row(row).data(), std::size_t(job.image.channels), luma_row(job, row).data(),
+                    weight / (2 * (1 - job.weights.blue)), weight / (2 * (1 - job.weights.red)), blue.size(),
+                    blue.data(), red.data());
+  }
+};
+
+/// Rounded, for samples of up to 31 bits.
+KNOTREEL_MULTIVERSION
+void round_line(const float* values, double factor, double offset, double most, std::size_t count,
+                std::uint32_t* line) {
+  for (std::size_t x = 0; x < count; ++x) {
+    const double rounded = double(values[x]) * factor + offset + 0.5;
+    const double low = rounded < 0 ? 0 : rounded;
+    line[x] = std::uint32_t(std::int32_t(low > most ? most : low));
+  }
+}
+
+/// Puts a line of values as the samples that they are stored as.
+void put_line(const Job& job, int component, int y, const std::vector<float>& values, float factor,
+              float offset) {
+  thread_local std::vector<std::uint32_t> line;
+  line.resize(values.size());
   const int depth = job.format.comp[component].depth;
   const double most = double((std::int64_t{1} << depth) - 1);
-  const double exact = double(value) * double(factor) + double(offset);
-  return std::uint32_t(std::clamp(exact + 0.5, 0.0, most));
-}
-
-void put_line(const Job& job, int component, int y, const std::vector<std::uint32_t>& line) {
+  if (depth < 32) {
+    round_line(values.data(), double(factor), double(offset), most, values.size(), line.data());
+  } else {
+    std::transform(values.begin(), values.end(), line.begin(), [&](float value) {
+      return std::uint32_t(std::clamp(double(value) * double(factor) + double(offset) + 0.5, 0.0, most));
+    });
+  }
   av_write_image_line2(line.data(), job.frame.data, job.frame.linesize, &job.format, 0, y, component,
                        int(line.size()), 4);
 }
 
-/// A component with a value(x, y) for every pixel: all but chroma.
-template <class Value>
-void put_component(const Job& job, int component, bool limited, const Value& value) {
+/// A component that every pixel has: all but chroma. @param values of a row.
+template <class Values>
+void put_component(const Job& job, int component, bool limited, const Values& values) {
   const int depth = job.format.comp[component].depth;
   const float step = limited ? float(1 << (depth - 8)) : float((std::int64_t{1} << depth) - 1) / 255.0F;
   const float factor = limited ? step * 219.0F / 255.0F : step;
   const float offset = limited ? 16 * step : 0;
   parallel_for(std::size_t(job.image.height), [&](std::size_t row) {
-    std::vector<std::uint32_t> line(std::size_t(job.image.width));
-    for (int x = 0; x < job.image.width; ++x) {
-      line[std::size_t(x)] = stored(job, component, value(x, int(row)), factor, offset);
-    }
-    put_line(job, component, int(row), line);
+    put_line(job, component, int(row), values(int(row)), factor, offset);
   });
 }
 
-void put_chroma(const Job& job, int component) {
-  const int depth = job.format.comp[component].depth;
+/// A channel of the picture as it is.
+void put_channel(const Job& job, int component, int channel) {
+  put_component(job, component, false, [&](int y) -> const std::vector<float>& {
+    thread_local std::vector<float> values;
+    values.resize(std::size_t(job.image.width));
+    for (int x = 0; x < job.image.width; ++x) values[std::size_t(x)] = job.image.at(x, y, channel);
+    return values;
+  });
+}
+
+void put_chroma(const Job& job) {
+  const int depth = job.format.comp[1].depth;
   const float step = float(1 << (depth - 8));
   const float factor = job.full ? float((1 << depth) - 1) / 255.0F : step * 224.0F / 255.0F;
   const int across = job.format.log2_chroma_w, down = job.format.log2_chroma_h;
   const Taps taps_across = taps(1 << across, job.place.x), taps_down = taps(1 << down, job.place.y);
   const int columns = AV_CEIL_RSHIFT(job.image.width, across), rows = AV_CEIL_RSHIFT(job.image.height, down);
-  parallel_for(std::size_t(rows), [&](std::size_t row) {
-    std::vector<float> sums(std::size_t(job.image.width));  // over the rows of the cells
-    for (std::size_t t = 0; t < taps_down.weights.size() && job.image.colour_channels() == 3; ++t) {
-      const int from = (int(row) << down) + taps_down.first + int(t);
-      add_chroma(job, std::clamp(from, 0, job.image.height - 1), component, taps_down.weights[t], sums);
-    }
-    std::vector<std::uint32_t> line(static_cast<std::size_t>(columns));
+  const auto put = [&](int component, int row, const std::vector<float>& sums) {
+    thread_local std::vector<float> values;
+    values.resize(std::size_t(columns));
     for (int x = 0; x < columns; ++x) {
       float value = 0;
       for (std::size_t t = 0; t < taps_across.weights.size(); ++t) {
         const int from = (x << across) + taps_across.first + int(t);
         value += taps_across.weights[t] * sums[std::size_t(std::clamp(from, 0, job.image.width - 1))];
       }
-      line[std::size_t(x)] = stored(job, component, value, factor, 128 * step);
+      values[std::size_t(x)] = value;
     }
-    put_line(job, component, int(row), line);
+    put_line(job, component, row, values, factor, 128 * step);
+  };
+  parallel_for(std::size_t(rows), [&](std::size_t row) {
+    thread_local ChromaSums sums;  // over the rows of the cells
+    sums.clear(std::size_t(job.image.width));
+    for (std::size_t t = 0; t < taps_down.weights.size() && job.image.colour_channels() == 3; ++t) {
+      const int from = (int(row) << down) + taps_down.first + int(t);
+      sums.add(job, std::clamp(from, 0, job.image.height - 1), taps_down.weights[t]);
+    }
+    put(1, int(row), sums.blue);
+    put(2, int(row), sums.red);
   });
 }
 
 void put_alpha(const Job& job) {
   const int component = job.format.nb_components - 1;
-  const int channel = job.image.channels - 1;
-  put_component(job, component, false,
-                [&](int x, int y) { return job.image.has_alpha() ? job.image.at(x, y, channel) : 255.0F; });
+  if (job.image.has_alpha()) return put_channel(job, component, job.image.channels - 1);
+  const std::vector<float> opaque(std::size_t(job.image.width), 255.0F);
+  put_component(job, component, false, [&](int) -> const std::vector<float>& { return opaque; });
 }
 
 void put_colours(const Job& job) {
   if (is_rgb(job.format)) {
-    for (int c = 0; c < 3; ++c) {
-      put_component(job, c, false, [&](int x, int y) { return sample(job.image, x, y, c); });
-    }
+    for (int c = 0; c < 3; ++c) put_channel(job, c, job.image.colour_channels() == 1 ? 0 : c);
     return;
   }
   put_component(job, 0, !job.full && job.format.comp[0].depth >= 8,
-                [&](int x, int y) { return luma(job, x, y); });
-  if (is_grey(job.format)) return;
-  put_chroma(job, 1);
-  put_chroma(job, 2);
+                [&](int y) -> const std::vector<float>& { return luma_row(job, y); });
+  if (!is_grey(job.format)) put_chroma(job);
 }
 
 /// Components are put by "or" into what is there, and paddings should not tell of old memory.
@@ -154,7 +229,8 @@ image::Image with_channels(const image::Image& image, int channels) {
   const LumaWeights weights = luma_weights(AVCOL_SPC_SMPTE170M);
   for (int y = 0; y < image.height; ++y) {
     for (int x = 0; x < image.width; ++x) {
-      for (int c = 0; c < result.colour_channels(); ++c) result.at(x, y, c) = sample(image, x, y, c);
+      for (int c = 0; c < result.colour_channels(); ++c)
+        result.at(x, y, c) = image.at(x, y, image.colour_channels() == 1 ? 0 : c);
       if (result.colour_channels() == 1 && image.colour_channels() == 3) {
         result.at(x, y, 0) = weights.red * image.at(x, y, 0) + weights.green() * image.at(x, y, 1) +
                              weights.blue * image.at(x, y, 2);
