@@ -28,7 +28,7 @@ void wait_for_input(int descriptor) {
   constexpr int kMilliseconds = 100;
   pollfd wait{descriptor, POLLIN, 0};
   while (::poll(&wait, 1, kMilliseconds) <= 0) {
-    if (check_while_waiting != nullptr) check_while_waiting();
+    check_while_working();
   }
 }
 
@@ -86,6 +86,10 @@ std::size_t read_into(int descriptor, std::byte* to, std::size_t count, const st
 
 void set_check_while_waiting(void (*check)()) {
   check_while_waiting = check;
+}
+
+void check_while_working() {
+  if (check_while_waiting != nullptr) check_while_waiting();
 }
 
 std::string cannot_read(const std::filesystem::path& path, const std::string& kind) {

@@ -1,7 +1,6 @@
 #include "cli/render_video.h"
 
 #include <algorithm>
-#include <charconv>
 #include <filesystem>
 #include <optional>
 
@@ -22,30 +21,14 @@
 namespace knotreel::cli {
 namespace {
 
-/// "3-7", "3-" and "3".
-void parse_frames(const std::string& text, pipeline::RenderJob& job) {
-  const auto number = [&](std::string_view word) {
-    std::size_t value = 0;
-    const auto [end, status] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (status != std::errc() || end != word.data() + word.size()) {
-      throw Error(ErrorKind::kInvalidArgument, "--frames takes A-B, A- or A, not '" + text + "'");
-    }
-    return value;
-  };
-  const std::string_view all = text;
-  const std::size_t dash = all.find('-');
-  job.first = number(all.substr(0, dash));
-  if (dash == std::string_view::npos) {
-    job.last = job.first;
-  } else if (dash + 1 < all.size()) {
-    job.last = number(all.substr(dash + 1));
-  }
-}
-
 pipeline::RenderJob make_job(const RenderVideo& arguments, document::Reader& reader) {
   pipeline::RenderJob job;
   job.reader = &reader;
-  if (!arguments.frames.empty()) parse_frames(arguments.frames, job);
+  if (!arguments.frames.empty()) {
+    const FrameRange range = parse_frames(arguments.frames);
+    job.first = range.first;
+    job.last = range.last;
+  }
   if (!arguments.fps.empty()) job.rate = parse_rate("--fps", arguments.fps);
   const document::SequenceInfo& info = reader.info();
   const Turn turn = turn_of(reader);

@@ -32,6 +32,10 @@ void add_video_input_options(CLI::App& command, VideoInputOptions& options) {
   command.add_option("--image-rate", options.image_rate, "Frames per second of a folder of pictures")
       ->type_name("R")
       ->capture_default_str();
+  command
+      .add_option("--frames", options.frames,
+                  "Only these frames of the video, counted from 0, and their sound; A- is up\nto the end")
+      ->type_name("A-B");
   command.add_flag("--strict", options.strict,
                    "Damage in a video is an error; without, what can be\n"
                    "decoded is used, and a warning tells of the rest");
@@ -110,6 +114,25 @@ video::Rational parse_rate(const std::string& option, const std::string& text) {
   return rate;
 }
 
+FrameRange parse_frames(const std::string& text) {
+  constexpr const char* kWanted = "A-B, A- or A, with whole numbers, B not below A";
+  const auto number = [&](std::string_view word) {
+    std::uint32_t value = 0;
+    if (!parse(word, value)) refuse("--frames", text, kWanted);
+    return value;
+  };
+  const std::string_view all = text;
+  const std::size_t dash = all.find('-');
+  FrameRange range{number(all.substr(0, dash)), {}};
+  if (dash == std::string_view::npos) {
+    range.last = range.first;
+  } else if (dash + 1 < all.size()) {
+    range.last = number(all.substr(dash + 1));
+  }
+  if (range.last && *range.last < range.first) refuse("--frames", text, kWanted);
+  return range;
+}
+
 video::ReadOptions read_options(const VideoInputOptions& given, int threads) {
   video::ReadOptions options;
   options.threads = threads;
@@ -117,6 +140,11 @@ video::ReadOptions read_options(const VideoInputOptions& given, int threads) {
   options.copy_streams = !given.no_copy_streams;
   options.format = given.format;
   options.image_rate = parse_rate("--image-rate", given.image_rate);
+  if (!given.frames.empty()) {
+    const FrameRange range = parse_frames(given.frames);
+    options.first = range.first;
+    if (range.last) options.count = *range.last - range.first + 1;
+  }
   for (const std::string& pair : given.demuxer) {
     const std::size_t sign = pair.find('=');
     if (sign == std::string::npos || sign == 0) refuse("--input-option", pair, "KEY=VALUE");

@@ -1,7 +1,9 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,7 @@ struct VideoInputOptions {
   std::string format;
   std::vector<std::string> demuxer;  ///< "key=value"
   std::string image_rate = "25";
+  std::string frames;  ///< as parse_frames() takes them; empty: all
   bool strict = false;
   bool no_copy_streams = false;
 };
@@ -45,6 +48,14 @@ video::WriteOptions write_options(const VideoOutputOptions& given, const std::st
 
 /// "25", "23.976" or "30000/1001", above 0. @throws Error{kInvalidArgument} with the option's name.
 video::Rational parse_rate(const std::string& option, const std::string& text);
+
+/// Frames counted from 0, both ends included.
+struct FrameRange {
+  std::uint64_t first = 0;
+  std::optional<std::uint64_t> last;  ///< none: up to the end
+};
+/// "3-7", "3-" or "3". @throws Error{kInvalidArgument} for anything else.
+FrameRange parse_frames(const std::string& text);
 
 /// As docs/stats.md tells.
 nlohmann::ordered_json tracking_json(const track::TrackOptions& options);

@@ -26,8 +26,8 @@ class Source {
   virtual bool copies_chapters() const { return false; }
 
   const StreamInfo& info() const { return info_; }
-  const Warnings& warnings() const { return warnings_; }
-  std::uint64_t damaged() const { return damaged_; }
+  virtual const Warnings& warnings() const { return warnings_; }
+  virtual std::uint64_t damaged() const { return damaged_; }
 
  protected:
   StreamInfo info_;
@@ -47,5 +47,11 @@ std::unique_ptr<Source> open_stream(const std::string& input, const ReadOptions&
 /// @param missing  how many there should be besides; only told of.
 std::unique_ptr<Source> open_pictures(std::vector<std::string> files, const ReadOptions& options,
                                       std::uint64_t missing = 0);
+
+/// Some frames of a source, from the one with this number on, and the packets of the time in which they are
+/// shown. Those before are read and passed over.
+/// @param count  of frames, at most; 0: up to the end.
+/// @throws Error{kInput} if there is no such frame.
+std::unique_ptr<Source> open_part(std::unique_ptr<Source> whole, std::uint64_t first, std::uint64_t count);
 
 }  // namespace knotreel::video

@@ -99,6 +99,26 @@ TEST_F(CliVideo, TranscodeEqualsVectorizeAndRender) {
   EXPECT_EQ(test::frame_times(path("out.mkv")), times_);
 }
 
+TEST_F(CliVideo, APartOfAVideoIsMadeAlone) {
+  const auto made = knotreel({"transcode", clip_, "-o", path("part.mkv"), "--codec", "ffv1", "--preset",
+                              "fast", "--document", document_, "--frames", "2-4"});
+  expect_success(made);
+  EXPECT_NE(made.out.find("3 frames"), std::string::npos) << made.out;
+  std::vector<std::int64_t> expected(times_.begin() + 2, times_.begin() + 5);
+  for (std::int64_t& t : expected) t -= times_[2];
+  EXPECT_EQ(test::frame_times(path("part.mkv")), expected);
+  // The document keeps the clock of the source.
+  const json info = json::parse(knotreel({"info", document_, "--json"}).out);
+  ASSERT_EQ(info["frames"].size(), 3u);
+  EXPECT_EQ(info["frames"][0]["pts"], times_[2]);
+  expect_success(knotreel({"render", document_, "-o", path("again.mkv"), "--codec", "ffv1"}));
+  EXPECT_EQ(test::frame_times(path("again.mkv")), expected);
+  for (const char* wrong : {"4-2", "a", "-3", "1-2-3", "2.5", ""}) {
+    expect_failure(knotreel({"vectorize", clip_, "-o", path("x.tcb"), std::string("--frames=") + wrong}), 2);
+  }
+  expect_failure(knotreel({"vectorize", clip_, "-o", path("x.tcb"), "--frames", "6-"}), 3);
+}
+
 TEST_F(CliVideo, RenderMakesPicturesOfARange) {
   vectorize();
   expect_success(knotreel({"render", document_, "-o", path("f_%02d.png"), "--frames", "2-4"}));

@@ -12,6 +12,9 @@ namespace knotreel {
 /// at first. Set it before any reading.
 void set_check_while_waiting(void (*check)());
 
+/// Calls it, for those who work for long before there is anything to show.
+void check_while_working();
+
 /// Reads at most `count` bytes from the start of a file; fewer if it is shorter. Not for `-`.
 /// @throws Error{kInput} with the system's reason.
 std::vector<std::byte> read_start(const std::filesystem::path& path, std::size_t count);

@@ -30,6 +30,8 @@ struct ReadOptions {
   std::string format;        ///< libav's name of the input format; empty: found by content
   std::map<std::string, std::string> demuxer_options;  ///< such as video_size, framerate, pixel_format
   Rational image_rate{25, 1};                          ///< of pictures
+  std::uint64_t first = 0;  ///< number of the frame to begin with; those before are decoded and passed over
+  std::uint64_t count = 0;  ///< of frames, at most; 0: up to the end. Of copied streams the same time is kept
 };
 
 inline constexpr std::size_t kPictureStart = 4096;  ///< bytes that are enough for holds_one_picture()

@@ -1,0 +1,108 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "clips.h"
+#include "support/sound_clip.h"
+#include "support/temp_dir.h"
+
+namespace knotreel::video {
+namespace {
+
+using test::TempDir;
+
+ReadOptions part(std::uint64_t first, std::uint64_t count) {
+  ReadOptions options;
+  options.first = first;
+  options.count = count;
+  return options;
+}
+
+bool equal_bytes(const Packet& a, const Packet& b) {
+  return a.stream() == b.stream() && std::ranges::equal(a.bytes(), b.bytes());
+}
+
+/// Whether a part has the frames and the packets that the whole has at that time.
+void expect_part(const WholeClip& part, const WholeClip& whole, std::size_t first, std::size_t count) {
+  ASSERT_EQ(part.frames.size(), count);
+  for (std::size_t i = 0; i < count; ++i) {
+    const Frame& expected = whole.frames[first + i];
+    EXPECT_EQ(part.frames[i].index, i);
+    EXPECT_EQ(part.frames[i].pts, expected.pts);
+    EXPECT_EQ(part.frames[i].duration, expected.duration);
+    EXPECT_EQ(part.frames[i].image.samples, expected.image.samples);
+  }
+  const bool has_begin = first > 0, has_end = first + count < whole.frames.size();
+  const double tick = whole.info.time_base.value();
+  const double begin = double(whole.frames[first].pts) * tick;
+  const double end = double(part.frames.back().pts + part.frames.back().duration) * tick;
+  std::vector<Packet> expected;
+  for (const Packet& p : whole.packets) {
+    if ((!has_begin || p.seconds() >= begin) && (!has_end || p.seconds() < end)) expected.push_back(p);
+  }
+  ASSERT_EQ(part.packets.size(), expected.size());
+  for (std::size_t i = 0; i < expected.size(); ++i)
+    EXPECT_TRUE(equal_bytes(part.packets[i], expected[i])) << i;
+}
+
+class Part : public testing::TestWithParam<const char*> {};
+
+TEST_P(Part, HasTheFramesAndTheSoundOfItsTime) {
+  const TempDir dir;
+  const std::string path = dir / GetParam();
+  write_sound_clip(path, "aac", true);
+  const WholeClip whole = read_clip(path);
+  ASSERT_EQ(whole.frames.size(), 25u);
+  ASSERT_GT(whole.packets.size(), 10u);
+  for (const auto& [first, count] :
+       {std::pair<std::size_t, std::size_t>{0, 1}, {0, 7}, {3, 5}, {20, 5}, {24, 1}}) {
+    SCOPED_TRACE(std::to_string(first) + " and " + std::to_string(count) + " frames");
+    expect_part(read_clip(path, part(first, count)), whole, first, count);
+  }
+  expect_part(read_clip(path, part(20, 0)), whole, 20, 5);
+  expect_part(read_clip(path, part(20, 100)), whole, 20, 5);
+}
+
+INSTANTIATE_TEST_SUITE_P(Containers, Part, testing::Values("a.mp4", "a.mkv"));
+
+TEST(Parts, BeginAtZeroWhereTheyAreWritten) {
+  const TempDir dir;
+  write_sound_clip(dir / "a.mp4", "aac", true);
+  VideoReader reader = VideoReader::open(dir / "a.mp4", part(10, 5));
+  EXPECT_EQ(reader.info().frames, 5u);
+  VideoWriter writer = VideoWriter::create(dir / "b.mp4", reader.info(), {}, &reader);
+  Frame frame;
+  while (reader.next(frame)) {
+    writer.write_packets(frame.packets);
+    writer.write(frame.image, frame.pts, frame.duration);
+  }
+  writer.write_packets(reader.remaining_packets());
+  writer.finish();
+  const WholeClip whole = read_clip(dir / "a.mp4"), copy = read_clip(dir / "b.mp4");
+  ASSERT_EQ(copy.frames.size(), 5u);
+  const double begin = seconds(whole)[10];
+  for (std::size_t i = 0; i < 5; ++i) EXPECT_NEAR(seconds(copy)[i], seconds(whole)[10 + i] - begin, 1e-9);
+  ASSERT_FALSE(copy.packets.empty());
+  const auto first =
+      std::ranges::find_if(whole.packets, [&](const Packet& p) { return p.seconds() >= begin; });
+  EXPECT_TRUE(std::ranges::equal(copy.packets.front().bytes(), first->bytes()));
+  EXPECT_NEAR(copy.packets.front().seconds(), first->seconds() - begin, 1e-4);
+}
+
+TEST(Parts, OfPicturesAreCountedToo) {
+  const TempDir dir;
+  write_clip(dir / "f_%02d.png", moving_pattern(32, 24, 3, 6));
+  const WholeClip whole = read_clip(dir / "f_%02d.png");
+  ASSERT_EQ(whole.frames.size(), 6u);
+  expect_part(read_clip(dir / "f_%02d.png", part(2, 3)), whole, 2, 3);
+}
+
+TEST(Parts, BehindTheEndAreAnError) {
+  const TempDir dir;
+  write_sound_clip(dir / "a.mp4", "aac", false);
+  EXPECT_EQ(kind_of([&] { VideoReader::open(dir / "a.mp4", part(25, 1)); }), ErrorKind::kInput);
+}
+
+}  // namespace
+}  // namespace knotreel::video
