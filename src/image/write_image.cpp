@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/multiversion.h"
 #include "codec.h"
 
 namespace knotreel::image {
@@ -74,29 +75,45 @@ void check_spec(const ImageFileSpec& spec) {
   }
 }
 
-float scaled(float sample, float scale, float largest) {
+/// A whole number; 0 for what is not a number.
+[[gnu::always_inline]] inline std::int32_t stored(float sample, float scale, float largest) {
   const float value = sample * scale + 0.5F;
-  return value > 0 ? std::min(value, largest) : 0;
+  const float low = value > 0 ? value : 0;
+  return static_cast<std::int32_t>(low < largest ? low : largest);
+}
+
+KNOTREEL_MULTIVERSION
+void store_u8(const float* samples, std::size_t count, std::byte* bytes) {
+  for (std::size_t i = 0; i < count; ++i) bytes[i] = static_cast<std::byte>(stored(samples[i], 1, 255));
+}
+
+/// The high byte first.
+KNOTREEL_MULTIVERSION
+void store_u16(const float* samples, std::size_t count, std::byte* bytes) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::int32_t value = stored(samples[i], 257, 65535);
+    bytes[2 * i] = static_cast<std::byte>(value >> 8);
+    bytes[2 * i + 1] = static_cast<std::byte>(value & 0xff);
+  }
 }
 
 }  // namespace
 
 std::uint8_t to_u8(float sample) {
-  return static_cast<std::uint8_t>(scaled(sample, 1, 255));
+  return static_cast<std::uint8_t>(stored(sample, 1, 255));
 }
 std::uint16_t to_u16(float sample) {
-  return static_cast<std::uint16_t>(scaled(sample, 257, 65535));
+  return static_cast<std::uint16_t>(stored(sample, 257, 65535));
 }
 
 void append_samples(std::span<const float> samples, SampleType type, std::vector<std::byte>& bytes) {
+  const std::size_t end = bytes.size();
   if (type == SampleType::u8) {
-    for (const float sample : samples) bytes.push_back(static_cast<std::byte>(to_u8(sample)));
-    return;
-  }
-  for (const float sample : samples) {
-    const std::uint16_t value = to_u16(sample);
-    bytes.push_back(static_cast<std::byte>(value >> 8));
-    bytes.push_back(static_cast<std::byte>(value & 0xff));
+    bytes.resize(end + samples.size());
+    store_u8(samples.data(), samples.size(), bytes.data() + end);
+  } else {
+    bytes.resize(end + 2 * samples.size());
+    store_u16(samples.data(), samples.size(), bytes.data() + end);
   }
 }
 
