@@ -22,8 +22,9 @@ class PartSource : public Source {
     pass_over(first);
     ahead_ = read();
     if (!ahead_) {
-      throw Error(ErrorKind::kInput, "there is no frame " + std::to_string(first) + ": the video has " +
-                                         std::to_string(passed_over_) + ", the first of which is 0");
+      throw Error(ErrorKind::kInvalidArgument, "there is no frame " + std::to_string(first) +
+                                                   ": the video has " + std::to_string(passed_over_) +
+                                                   ", the first of which is 0");
     }
     describe(first);
   }
@@ -70,10 +71,10 @@ class PartSource : public Source {
   void pass_over(std::uint64_t frames) {
     for (; passed_over_ < frames; ++passed_over_) {
       check_while_working();
-      std::optional<Frame> frame = read();
-      if (!frame) return;
-      begin_ = seconds_of(frame->pts + frame->duration);
-      hold(std::move(frame->packets));
+      Frame frame;
+      if (!whole_->skip(frame)) return;
+      begin_ = seconds_of(frame.pts + frame.duration);
+      hold(std::move(frame.packets));
     }
   }
 

@@ -14,6 +14,8 @@ class Source {
  public:
   virtual ~Source() = default;
   virtual bool next(Frame& frame) = 0;
+  /// The same, but the picture of the frame is not wanted.
+  virtual bool skip(Frame& frame) { return next(frame); }
   virtual std::vector<Packet> take_packets() { return {}; }
   virtual std::vector<Packet> packets_until(double) { return {}; }
   /// For copying streams; null if there are none.
@@ -51,7 +53,7 @@ std::unique_ptr<Source> open_pictures(std::vector<std::string> files, const Read
 /// Some frames of a source, from the one with this number on, and the packets of the time in which they are
 /// shown. Those before are read and passed over.
 /// @param count  of frames, at most; 0: up to the end.
-/// @throws Error{kInput} if there is no such frame.
+/// @throws Error{kInvalidArgument} if there is no such frame.
 std::unique_ptr<Source> open_part(std::unique_ptr<Source> whole, std::uint64_t first, std::uint64_t count);
 
 }  // namespace knotreel::video

@@ -252,16 +252,27 @@ void StreamSource::look_ahead() {
   stamp(*ahead_);
 }
 
-bool StreamSource::next(Frame& frame) {
-  if (!ahead_) return false;
-  const FramePtr current = std::move(ahead_);
+/// Fills in all but the picture, which is in what is returned; null at the end.
+FramePtr StreamSource::advance(Frame& frame) {
+  if (!ahead_) return nullptr;
+  FramePtr current = std::move(ahead_);
   look_ahead();
-  frame.image = to_image_->convert(*current);
   frame.index = handed_out_++;
   frame.pts = current->pts;
   frame.duration = ahead_ ? ahead_->pts - current->pts : last_duration(*current);
   frame.packets = take_packets();
+  return current;
+}
+
+bool StreamSource::next(Frame& frame) {
+  const FramePtr current = advance(frame);
+  if (!current) return false;
+  frame.image = to_image_->convert(*current);
   return true;
+}
+
+bool StreamSource::skip(Frame& frame) {
+  return advance(frame) != nullptr;
 }
 
 std::unique_ptr<Source> open_stream(const std::string& input, const ReadOptions& options) {

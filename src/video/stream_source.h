@@ -17,6 +17,7 @@ class StreamSource : public Source {
   StreamSource(const std::string& input, const ReadOptions& options);
 
   bool next(Frame& frame) override;
+  bool skip(Frame& frame) override;
   std::vector<Packet> take_packets() override { return std::exchange(packets_, {}); }
   std::vector<Packet> packets_until(double seconds) override;
   AVFormatContext* format() const override { return demuxer_.format(); }
@@ -38,6 +39,7 @@ class StreamSource : public Source {
   std::int64_t duration_of(const AVFrame& frame) const;
   std::int64_t last_duration(const AVFrame& frame) const;
   void look_ahead();
+  FramePtr advance(Frame& frame);
   std::string what_is_missing() const;
   void check_end();
 

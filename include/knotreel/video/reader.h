@@ -53,7 +53,7 @@ class VideoReader {
   ///               order; a pattern with one `%d` or `%04d`, taken by number. Frames are brought to the size
   ///               of the first one.
   /// @throws Error{kInput} if there is nothing that can be decoded, Error{kInvalidArgument} for options that
-  /// the format does not know.
+  /// the format does not know, and for a first frame that the video does not have.
   static VideoReader open(const std::string& input, const ReadOptions& options = {});
   VideoReader(VideoReader&&) noexcept;
   VideoReader& operator=(VideoReader&&) noexcept;
