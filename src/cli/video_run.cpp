@@ -60,6 +60,15 @@ void warn_all(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) warn(line);
 }
 
+/// A part that goes on behind the end of the video.
+void warn_of_missing_frames(const std::string& wanted, const pipeline::Summary& summary) {
+  if (wanted.empty() || summary.stopped) return;
+  const FrameRange range = parse_frames(wanted);
+  if (!range.last || summary.frames > *range.last - range.first) return;
+  warn(fmt::format("--frames {}: the video ends after {} of these {} frames", wanted, summary.frames,
+                   *range.last - range.first + 1));
+}
+
 }  // namespace
 
 pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
@@ -138,6 +147,7 @@ pipeline::Summary run_video(const VideoRun& run) {
   }
   warn_all(reader.warnings());
   warn_all(summary.warnings);
+  warn_of_missing_frames(run.reading.frames, summary);
   progress.end();
   auto tail = summary_json(summary);
   tail["damaged"] = reader.damaged();

@@ -113,6 +113,10 @@ TEST_F(CliVideo, APartOfAVideoIsMadeAlone) {
   EXPECT_EQ(info["frames"][0]["pts"], times_[2]);
   expect_success(knotreel({"render", document_, "-o", path("again.mkv"), "--codec", "ffv1"}));
   EXPECT_EQ(test::frame_times(path("again.mkv")), expected);
+  const auto short_part =
+      knotreel({"vectorize", clip_, "-o", path("short.tcb"), "--preset", "fast", "--frames", "4-9"});
+  EXPECT_EQ(short_part.exit_code, 0);
+  EXPECT_NE(short_part.err.find("ends after 2 of these 6 frames"), std::string::npos) << short_part.err;
   for (const char* wrong : {"4-2", "a", "-3", "1-2-3", "2.5", ""}) {
     expect_failure(knotreel({"vectorize", clip_, "-o", path("x.tcb"), std::string("--frames=") + wrong}), 2);
   }
