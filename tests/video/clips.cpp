@@ -74,6 +74,20 @@ WholeClip read_clip(const std::string& path, const ReadOptions& options) {
   return clip;
 }
 
+std::vector<std::string> copy_clip(const std::string& from, const std::string& to,
+                                   const ReadOptions& options) {
+  VideoReader reader = VideoReader::open(from, options);
+  VideoWriter writer = VideoWriter::create(to, reader.info(), {}, &reader);
+  Frame frame;
+  while (reader.next(frame)) {
+    writer.write_packets(frame.packets);
+    writer.write(frame.image, frame.pts, frame.duration);
+  }
+  writer.write_packets(reader.remaining_packets());
+  writer.finish();
+  return writer.warnings();
+}
+
 std::vector<double> seconds(const WholeClip& clip) {
   std::vector<double> times;
   for (const Frame& frame : clip.frames) times.push_back(double(frame.pts) * clip.info.time_base.value());

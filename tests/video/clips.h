@@ -35,6 +35,10 @@ struct WholeClip {
 };
 WholeClip read_clip(const std::string& path, const ReadOptions& options = {});
 
+/// Writes a video again with its other streams copied. @return the writer's warnings.
+std::vector<std::string> copy_clip(const std::string& from, const std::string& to,
+                                   const ReadOptions& options = {});
+
 /// Times in seconds.
 std::vector<double> seconds(const WholeClip& clip);
 

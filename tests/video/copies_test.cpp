@@ -14,20 +14,6 @@ namespace {
 
 using test::TempDir;
 
-/// Reads a video, writes it again with its other streams copied, and gives the writer's warnings.
-std::vector<std::string> transcode(const std::string& from, const std::string& to) {
-  VideoReader reader = VideoReader::open(from);
-  VideoWriter writer = VideoWriter::create(to, reader.info(), {}, &reader);
-  Frame frame;
-  while (reader.next(frame)) {
-    writer.write_packets(frame.packets);
-    writer.write(frame.image, frame.pts, frame.duration);
-  }
-  writer.write_packets(reader.remaining_packets());
-  writer.finish();
-  return writer.warnings();
-}
-
 bool same_bytes(const Packet& a, const Packet& b) {
   return a.bytes().size() == b.bytes().size() &&
          std::memcmp(a.bytes().data(), b.bytes().data(), a.bytes().size()) == 0;
@@ -50,7 +36,7 @@ TEST_P(Copied, SoundIsTheSameAndInTime) {
   const Copy& c = GetParam();
   const TempDir dir;
   write_sound_clip(dir / c.from, c.codec, true);
-  EXPECT_TRUE(transcode(dir / c.from, dir / c.to).empty());
+  EXPECT_TRUE(copy_clip(dir / c.from, dir / c.to).empty());
   const WholeClip source = read_clip(dir / c.from), copy = read_clip(dir / c.to);
   EXPECT_EQ(copy.frames.size(), 25u);
   ASSERT_GT(source.packets.size(), 10u);
@@ -73,7 +59,7 @@ TEST(Copies, WhatTheContainerDoesNotTakeIsLeftOutAndTold) {
   const TempDir dir;
   write_sound_clip(dir / "a.mp4", "aac", true);
   for (const char* name : {"b.webm", "b.y4m"}) {
-    const std::vector<std::string> warnings = transcode(dir / "a.mp4", dir / name);
+    const std::vector<std::string> warnings = copy_clip(dir / "a.mp4", dir / name);
     ASSERT_EQ(warnings.size(), 1u) << name;
     EXPECT_NE(warnings[0].find("aac"), std::string::npos);
     const WholeClip copy = read_clip(dir / name);

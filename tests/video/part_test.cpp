@@ -1,7 +1,6 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
-#include <cstring>
 
 #include "clips.h"
 #include "support/sound_clip.h"
@@ -69,16 +68,8 @@ INSTANTIATE_TEST_SUITE_P(Containers, Part, testing::Values("a.mp4", "a.mkv"));
 TEST(Parts, BeginAtZeroWhereTheyAreWritten) {
   const TempDir dir;
   write_sound_clip(dir / "a.mp4", "aac", true);
-  VideoReader reader = VideoReader::open(dir / "a.mp4", part(10, 5));
-  EXPECT_EQ(reader.info().frames, 5u);
-  VideoWriter writer = VideoWriter::create(dir / "b.mp4", reader.info(), {}, &reader);
-  Frame frame;
-  while (reader.next(frame)) {
-    writer.write_packets(frame.packets);
-    writer.write(frame.image, frame.pts, frame.duration);
-  }
-  writer.write_packets(reader.remaining_packets());
-  writer.finish();
+  EXPECT_EQ(VideoReader::open(dir / "a.mp4", part(10, 5)).info().frames, 5u);
+  copy_clip(dir / "a.mp4", dir / "b.mp4", part(10, 5));
   const WholeClip whole = read_clip(dir / "a.mp4"), copy = read_clip(dir / "b.mp4");
   ASSERT_EQ(copy.frames.size(), 5u);
   const double begin = seconds(whole)[10];
