@@ -2,6 +2,7 @@
 
 #include <Eigen/SparseCholesky>
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "knotreel/base/error.h"
@@ -13,8 +14,11 @@ namespace {
 // Weights, relative to that of a point of a curve.
 constexpr double kElasticity = 3;  // of the difference of two neighbours over their distance
 constexpr double kInertia = 0.05;  // of the change of a control point
-constexpr double kScreen = 0.005;  // of its displacement
+constexpr double kScreen = 0.005;  // of its displacement, if it reaches a curve
+constexpr double kAway = 0.5;      // more of that, if it does not and its neighbours are far away
+constexpr double kFar = 2;         // pixels to the nearest of them, for half of it
 constexpr int kRings = 3;          // of control points around the curves that may change
+constexpr double kFade = 0.125;    // pixels that displacements elsewhere lose: nothing asks for them
 
 using NetEdge = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -46,8 +50,15 @@ class ElasticSheet {
         edges_(net_edges(space_)) {
     std::vector<Vec2> parameters;
     for (const fit::CurvePoint& p : points) parameters.push_back(p.parameter);
+    nearest_.assign(sites_.size(), std::numeric_limits<double>::infinity());
+    for (const auto& [a, b] : edges_) {
+      const Vec2 d = sites_[a] - sites_[b];
+      nearest_[a] = std::min(nearest_[a], dot(d, d));
+      nearest_[b] = std::min(nearest_[b], dot(d, d));
+    }
     const spline::ScatteredValues values = basis.evaluate(parameters);
-    choose_groups(values, held);
+    find_rings(values);
+    choose_rows(held);
     point_right_ = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(groups_.size()), 2);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto here =
@@ -77,8 +88,9 @@ class ElasticSheet {
       if (j >= 0 && i < 0) pull(j, weight, before_[a]);
     }
     for (int i = 0; i < static_cast<int>(n); ++i) {
-      entries.emplace_back(i, i, kInertia + kScreen);
-      pull(i, kInertia, before_[groups_[static_cast<std::size_t>(i)]]);
+      const std::uint32_t g = groups_[static_cast<std::size_t>(i)];
+      entries.emplace_back(i, i, kInertia + screen(g));
+      pull(i, kInertia, before_[g]);
     }
     Eigen::SparseMatrix<double> matrix(n, n);
     matrix.setFromTriplets(entries.begin(), entries.end());
@@ -90,21 +102,39 @@ class ElasticSheet {
       displacement[groups_[static_cast<std::size_t>(i)]] = {result(i, 0), result(i, 1)};
   }
 
+  /// Displacements that no curve asks for any more spread from frame to frame, and cost time and bytes.
+  void fade_others(std::vector<Vec2>& displacement, std::span<const std::uint8_t> held) const {
+    for (std::size_t g = 0; g < displacement.size(); ++g) {
+      if (ring_of_[g] <= kRings || (!held.empty() && held[g])) continue;
+      const double length = norm(displacement[g]);
+      displacement[g] = length <= kFade ? Vec2{} : (1 - kFade / length) * displacement[g];
+    }
+  }
+
  private:
-  /// Those of the curves and of some rings around them.
-  void choose_groups(const spline::ScatteredValues& values, std::span<const std::uint8_t> held) {
-    std::vector<std::uint8_t> near(before_.size(), 0);
-    for (const spline::BasisValue& v : values.values) near[space_.geometry_of()[v.function]] = 1;
-    for (int ring = 0; ring < kRings; ++ring) {
-      const std::vector<std::uint8_t> inner = near;
+  /// Large faces can stay where they are. Thin ones would be turned over.
+  double screen(std::uint32_t g) const {
+    if (ring_of_[g] == 0) return kScreen;
+    return kScreen + kAway * (1 - kFar * kFar / (nearest_[g] + kFar * kFar));
+  }
+
+  /// Those that reach the curves, and rings of neighbours around them.
+  void find_rings(const spline::ScatteredValues& values) {
+    ring_of_.assign(before_.size(), kRings + 1);
+    for (const spline::BasisValue& v : values.values) ring_of_[space_.geometry_of()[v.function]] = 0;
+    for (int ring = 1; ring <= kRings; ++ring) {
       for (const auto& [a, b] : edges_) {
-        if (inner[a]) near[b] = 1;
-        if (inner[b]) near[a] = 1;
+        if (ring_of_[a] == ring - 1) ring_of_[b] = std::min(ring_of_[b], ring);
+        if (ring_of_[b] == ring - 1) ring_of_[a] = std::min(ring_of_[a], ring);
       }
     }
-    row_of_.assign(near.size(), -1);
-    for (std::uint32_t g = 0; g < near.size(); ++g) {
-      if (!near[g] || (!held.empty() && held[g]) || mesh::on_side(space_.mesh(), sites_[g])) continue;
+  }
+
+  void choose_rows(std::span<const std::uint8_t> held) {
+    row_of_.assign(ring_of_.size(), -1);
+    for (std::uint32_t g = 0; g < ring_of_.size(); ++g) {
+      if (ring_of_[g] > kRings || (!held.empty() && held[g]) || mesh::on_side(space_.mesh(), sites_[g]))
+        continue;
       row_of_[g] = static_cast<int>(groups_.size());
       groups_.push_back(g);
     }
@@ -127,7 +157,9 @@ class ElasticSheet {
   std::vector<Vec2> before_;
   std::vector<Vec2> sites_;
   std::vector<NetEdge> edges_;
-  std::vector<int> row_of_;  ///< by geometry group; -1: keeps its displacement
+  std::vector<double> nearest_;  ///< neighbour of each group: squared distance
+  std::vector<int> ring_of_;     ///< by geometry group; 0: reaches a curve
+  std::vector<int> row_of_;      ///< by geometry group; -1: keeps its displacement
   std::vector<std::uint32_t> groups_;
   std::vector<Eigen::Triplet<double>> point_entries_;
   Eigen::MatrixXd point_right_;
@@ -137,7 +169,9 @@ class ElasticSheet {
 
 void bend_geometry(const spline::Basis& basis, std::span<const fit::CurvePoint> points,
                    std::vector<Vec2>& displacement, std::span<const std::uint8_t> held) {
-  ElasticSheet(basis, points, displacement, held).solve(displacement);
+  const ElasticSheet sheet(basis, points, displacement, held);
+  sheet.solve(displacement);
+  sheet.fade_others(displacement, held);
 }
 
 }  // namespace knotreel::track

@@ -11,7 +11,8 @@ namespace knotreel::track {
 /// Changes the geometry so that points of curves come to lie where they belong. The control points around the
 /// curves follow as those of an elastic sheet would, so that thin faces beside a curve are not turned over:
 /// least squares over the points, the differences between neighbours, and, much weaker, the displacements and
-/// their changes. Control points on the sides of the picture stay.
+/// their changes, so that large faces stay where they are. Farther away displacements fade from call to call.
+/// Control points on the sides of the picture stay.
 /// @param displacement by geometry control point; changed in place.
 /// @param held by geometry control point: 1 for those that stay as they are; or none.
 void bend_geometry(const spline::Basis& basis, std::span<const fit::CurvePoint> points,

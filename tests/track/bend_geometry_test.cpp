@@ -49,7 +49,7 @@ TEST(BendGeometry, CurvesComeToTheirPointsWithoutFolds) {
   }
 }
 
-TEST(BendGeometry, SidesStayAndWithoutCurvesEverythingDoes) {
+TEST(BendGeometry, SidesStay) {
   const spline::Basis basis(std::make_shared<const spline::SplineSpace>(crowded_feature(), 2));
   const std::vector<Vec2> sites = basis.space().geometry_greville();
   std::vector<Vec2> displacement(sites.size());
@@ -59,9 +59,40 @@ TEST(BendGeometry, SidesStayAndWithoutCurvesEverythingDoes) {
     const bool inside = s.x > 0 && s.y > 0 && s.x < 64 && s.y < 48;
     EXPECT_TRUE(inside || displacement[g] == Vec2{}) << g;
   }
-  const std::vector<Vec2> before = displacement;
-  bend_geometry(basis, {}, displacement);
-  EXPECT_EQ(displacement, before) << "there was no curve to bend";
+}
+
+TEST(BendGeometry, WhatNoCurveAsksForFades) {
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(crowded_feature(), 2));
+  const Vec2 old{0.3, -0.4};
+  std::vector<Vec2> displacement(basis.space().geometry_count(), old);
+  std::vector<std::uint8_t> held(displacement.size());
+  held.back() = 1;
+  double before = norm(old);
+  for (int i = 0; i < 3; ++i) {
+    bend_geometry(basis, {}, displacement, held);
+    const double now = norm(displacement.front());
+    EXPECT_LT(now, before);
+    EXPECT_NEAR(cross(displacement.front(), old), 0, 1e-12) << "another direction";
+    before = now;
+  }
+  EXPECT_EQ(displacement.back(), old);
+  for (int i = 0; i < 4; ++i) bend_geometry(basis, {}, displacement, held);
+  displacement.pop_back();
+  EXPECT_EQ(displacement, std::vector<Vec2>(displacement.size())) << "all of the others have gone";
+}
+
+TEST(BendGeometry, LargeFacesStayWhereTheyAre) {
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(crowded_feature(), 2));
+  const std::vector<Vec2> sites = basis.space().geometry_greville();
+  std::vector<Vec2> displacement(sites.size());
+  for (int i = 0; i < 20; ++i) bend_geometry(basis, arc(2), displacement);
+  std::size_t far = 0;
+  for (std::size_t g = 0; g < sites.size(); ++g) {
+    if (std::abs(sites[g].y - 24) < 10) continue;
+    ++far;
+    EXPECT_LT(norm(displacement[g]), 0.1) << sites[g].x << ' ' << sites[g].y;
+  }
+  EXPECT_GT(far, 10u);
 }
 
 TEST(BendGeometry, WhatIsHeldStays) {

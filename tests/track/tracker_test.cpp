@@ -257,7 +257,7 @@ std::vector<image::Image> halves_at_rest(int frames) {
 
 /// Knots, and what is drawn where no function reaches what moves.
 TEST(Tracker, WhatIsAtRestStaysAsItIs) {
-  const std::vector<image::Image> pictures = halves_at_rest(80);
+  const std::vector<image::Image> pictures = halves_at_rest(66);
   vectorize::Options cold;
   cold.max_control_points = 700;
   cold.mec = 1;
@@ -274,7 +274,7 @@ TEST(Tracker, WhatIsAtRestStaysAsItIs) {
     for (const mesh::Knot& k : model.space->mesh().knots) {
       if (k.position.x > 176) now[static_cast<std::uint32_t>(k.id)] = k.position;
     }
-    if (i >= 52) {  // until then some knots settle
+    if (i >= 52) {  // until then some knots settle; thin faces may ask for a finer grid of all later
       EXPECT_TRUE(now == knots) << i;
       std::size_t changed = 0;
       for (int y = 0; y < 96; ++y) {
