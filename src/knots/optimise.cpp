@@ -24,21 +24,30 @@ std::size_t corner_of(const mesh::Face& face, KnotIndex k) {
   return face[0] == k ? 0 : face[1] == k ? 1 : 2;
 }
 
+/// Calls visit(point, s) at the places where an edge a -> b is sampled, s from 0 at a to 1 at b.
+/// @return how many there are.
+template <class Visit>
+[[gnu::always_inline]] inline int for_samples(Vec2 a, Vec2 b, double length, Visit&& visit) {
+  const int samples = std::max(2, static_cast<int>(std::ceil(length / kSpacing)));
+  for (int i = 0; i < samples; ++i) {
+    const double s = (i + 0.5) / samples;
+    visit(a + s * (b - a), s);
+  }
+  return samples;
+}
+
 /// @param channels of the picture.
 [[gnu::always_inline]] inline double integral_along(const Target& target, Vec2 a, Vec2 b,
                                                     const LinearFit* left, const LinearFit* right,
                                                     std::size_t channels) {
   const double length = norm(b - a);
-  const int samples = std::max(2, static_cast<int>(std::ceil(length / kSpacing)));
   double sum = 0;
-  for (int i = 0; i < samples; ++i) {
-    const double s = (i + 0.5) / samples;
-    const Vec2 u = a + s * (b - a);
+  const int samples = for_samples(a, b, length, [&](Vec2 u, double s) {
     const std::array<double, 4> colour = target.colour(u, channels);
     const double difference = (left ? Target::squared_error(*left, u, colour, channels) : 0.0) -
                               (right ? Target::squared_error(*right, u, colour, channels) : 0.0);
     sum += (1 - s) * difference;
-  }
+  });
   return sum * length / samples;
 }
 
@@ -49,10 +58,23 @@ double edge_integral(const Target& target, Vec2 a, Vec2 b, const LinearFit* left
   return integral_along(target, a, b, left, right, static_cast<std::size_t>(target.channels()));
 }
 
+/// Asks for the colours along the edges of a knot, most of the time of whose integrals is waiting for memory.
+void prefetch_edges(const EditableMesh& mesh, const Target& target, KnotIndex k,
+                    const std::vector<FaceIndex>& ring) {
+  const Vec2 from = mesh.position(k);
+  const auto channels = static_cast<std::size_t>(target.channels());
+  for (const FaceIndex f : ring) {
+    const mesh::Face& v = mesh.face(f);
+    const Vec2 to = mesh.position(v[(corner_of(v, k) + 1) % 3]);
+    for_samples(from, to, norm(to - from), [&](Vec2 u, double) { target.prefetch_colour(u, channels); });
+  }
+}
+
 Vec2 ring_gradient(const EditableMesh& mesh, const Target& target, KnotIndex k,
                    const std::vector<FaceIndex>& ring, FaceFits& fits) {
   const Vec2 from = mesh.position(k);
   const bool closed = mesh.knot(k).kind == KnotKind::kFree || mesh.knot(k).kind == KnotKind::kSegment;
+  prefetch_edges(mesh, target, k, ring);
   Vec2 gradient;
   const auto add = [&](KnotIndex j, const LinearFit* left, const LinearFit* right) {
     const Vec2 d = mesh.position(j) - from;

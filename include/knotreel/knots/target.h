@@ -68,6 +68,8 @@ class Target {
   std::array<double, 4> colour(Vec2 u) const { return colour(u, static_cast<std::size_t>(channels())); }
   /// The same. @param channels of the picture: quicker where the compiler knows them.
   std::array<double, 4> colour(Vec2 u, std::size_t channels) const;
+  /// Asks for the memory that colour() will read.
+  void prefetch_colour(Vec2 u, std::size_t channels) const;
 
   /// Squared error of a linear approximation at a point where the picture has this colour.
   double squared_error(const LinearFit& fit, Vec2 u, const std::array<double, 4>& colour) const {
@@ -89,6 +91,8 @@ class Target {
   void for_pixels(const std::array<Vec2, 3>& triangle, Visit&& visit) const;
 
  private:
+  struct Cell;
+  Cell cell_at(Vec2 u, std::size_t channels) const;
   void add_up_row(std::size_t y);
   std::size_t pixel(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(x);
@@ -133,16 +137,25 @@ class TriangleRows {
   bool long_is_left_ = true;
 };
 
-[[gnu::always_inline]] inline std::array<double, 4> Target::colour(Vec2 u, std::size_t channels) const {
+/// Four pixels around a point: the upper left one, and where the point lies between them.
+struct Target::Cell {
+  const float* p;
+  double fx;
+  double fy;
+};
+
+[[gnu::always_inline]] inline Target::Cell Target::cell_at(Vec2 u, std::size_t channels) const {
   const double px = std::clamp(u.x - 0.5, 0.0, static_cast<double>(image_.width - 1));
   const double py = std::clamp(u.y - 0.5, 0.0, static_cast<double>(image_.height - 1));
   const int x = std::min(static_cast<int>(px), std::max(0, image_.width - 2));
   const int y = std::min(static_cast<int>(py), std::max(0, image_.height - 2));
-  const double fx = px - x;
-  const double fy = py - y;
+  return {image_.samples.data() + pixel(x, y) * channels, px - x, py - y};
+}
+
+[[gnu::always_inline]] inline std::array<double, 4> Target::colour(Vec2 u, std::size_t channels) const {
+  const auto [p, fx, fy] = cell_at(u, channels);
   const std::size_t right = image_.width > 1 ? channels : 0;
   const std::size_t below = image_.height > 1 ? image_.row_size() : 0;
-  const float* p = image_.samples.data() + pixel(x, y) * channels;
   std::array<double, 4> result{};
   for (std::size_t c = 0; c < channels; ++c) {
     const double top = (1 - fx) * static_cast<double>(p[c]) + fx * static_cast<double>(p[right + c]);
@@ -151,6 +164,20 @@ class TriangleRows {
     result[c] = (1 - fy) * top + fy * low;
   }
   return result;
+}
+
+[[gnu::always_inline]] inline void Target::prefetch_colour(Vec2 u, std::size_t channels) const {
+#if defined(__GNUC__)
+  const float* const p = cell_at(u, channels).p;
+  const std::size_t below = image_.height > 1 ? image_.row_size() : 0;
+  __builtin_prefetch(p);
+  __builtin_prefetch(p + 2 * channels - 1);
+  __builtin_prefetch(p + below);
+  __builtin_prefetch(p + below + 2 * channels - 1);
+#else
+  (void)u;
+  (void)channels;
+#endif
 }
 
 template <class Visit>
