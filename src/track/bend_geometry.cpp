@@ -46,19 +46,15 @@ class ElasticSheet {
                std::span<const Vec2> displacement, std::span<const std::uint8_t> held)
       : space_(basis.space()),
         before_(displacement.begin(), displacement.end()),
+        held_(held),
         sites_(space_.geometry_greville()),
         edges_(net_edges(space_)) {
     std::vector<Vec2> parameters;
     for (const fit::CurvePoint& p : points) parameters.push_back(p.parameter);
-    nearest_.assign(sites_.size(), std::numeric_limits<double>::infinity());
-    for (const auto& [a, b] : edges_) {
-      const Vec2 d = sites_[a] - sites_[b];
-      nearest_[a] = std::min(nearest_[a], dot(d, d));
-      nearest_[b] = std::min(nearest_[b], dot(d, d));
-    }
     const spline::ScatteredValues values = basis.evaluate(parameters);
     find_rings(values);
-    choose_rows(held);
+    find_nearest();
+    choose_rows();
     point_right_ = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(groups_.size()), 2);
     for (std::size_t i = 0; i < points.size(); ++i) {
       const auto here =
@@ -103,15 +99,17 @@ class ElasticSheet {
   }
 
   /// Displacements that no curve asks for any more spread from frame to frame, and cost time and bytes.
-  void fade_others(std::vector<Vec2>& displacement, std::span<const std::uint8_t> held) const {
-    for (std::size_t g = 0; g < displacement.size(); ++g) {
-      if (ring_of_[g] <= kRings || (!held.empty() && held[g])) continue;
+  void fade_others(std::vector<Vec2>& displacement) const {
+    for (std::uint32_t g = 0; g < displacement.size(); ++g) {
+      if (ring_of_[g] <= kRings || is_held(g)) continue;
       const double length = norm(displacement[g]);
       displacement[g] = length <= kFade ? Vec2{} : (1 - kFade / length) * displacement[g];
     }
   }
 
  private:
+  bool is_held(std::uint32_t g) const { return !held_.empty() && held_[g]; }
+
   /// Large faces can stay where they are. Thin ones would be turned over.
   double screen(std::uint32_t g) const {
     if (ring_of_[g] == 0) return kScreen;
@@ -130,11 +128,19 @@ class ElasticSheet {
     }
   }
 
-  void choose_rows(std::span<const std::uint8_t> held) {
+  void find_nearest() {
+    nearest_.assign(sites_.size(), std::numeric_limits<double>::infinity());
+    for (const auto& [a, b] : edges_) {
+      const Vec2 d = sites_[a] - sites_[b];
+      nearest_[a] = std::min(nearest_[a], dot(d, d));
+      nearest_[b] = std::min(nearest_[b], dot(d, d));
+    }
+  }
+
+  void choose_rows() {
     row_of_.assign(ring_of_.size(), -1);
     for (std::uint32_t g = 0; g < ring_of_.size(); ++g) {
-      if (ring_of_[g] > kRings || (!held.empty() && held[g]) || mesh::on_side(space_.mesh(), sites_[g]))
-        continue;
+      if (ring_of_[g] > kRings || is_held(g) || mesh::on_side(space_.mesh(), sites_[g])) continue;
       row_of_[g] = static_cast<int>(groups_.size());
       groups_.push_back(g);
     }
@@ -155,6 +161,7 @@ class ElasticSheet {
 
   const spline::SplineSpace& space_;
   std::vector<Vec2> before_;
+  std::span<const std::uint8_t> held_;
   std::vector<Vec2> sites_;
   std::vector<NetEdge> edges_;
   std::vector<double> nearest_;  ///< neighbour of each group: squared distance
@@ -171,7 +178,7 @@ void bend_geometry(const spline::Basis& basis, std::span<const fit::CurvePoint> 
                    std::vector<Vec2>& displacement, std::span<const std::uint8_t> held) {
   const ElasticSheet sheet(basis, points, displacement, held);
   sheet.solve(displacement);
-  sheet.fade_others(displacement, held);
+  sheet.fade_others(displacement);
 }
 
 }  // namespace knotreel::track
