@@ -137,8 +137,7 @@ class Tracker::Impl {
         const bool needs_mending = watch_.needs_mending(report.psnr, report.changes.repairs > 0);
         watch_.end_frame(report.psnr, report.changes.repairs > 0);
         coarseness_.end_frame(report.psnr);
-        last_mec_ = report.mec;
-        prepare_next(picture, needs_mending);
+        keep_for_next(picture, needs_mending);
       }
     }
     if (report.start != Start::kWarm) {
@@ -164,7 +163,6 @@ class Tracker::Impl {
 
   void start_group(const image::Image& picture) {
     measure();
-    if (options_.warm_start && !target_) make_target(picture);
     watch_.start_group(report_->psnr);
     coarseness_.start_group(report_->psnr);
     rework_.start_group(frame_);
@@ -173,13 +171,8 @@ class Tracker::Impl {
     frames_to_bend_ = 0;
     rest_.start(picture.width, picture.height);
     next_id_ = EditableMesh(frame_.space->mesh()).next_id();
-    last_mec_ = report_->mec;
-    if (!options_.warm_start) return;
-    parallel_invoke(
-        [&] {
-          last_cold_ = {report_->psnr, difficulty_now()};
-        },
-        [&] { prepare_next(picture, false); });
+    last_cold_ = {report_->psnr, std::nullopt};
+    keep_for_next(picture, false);
   }
 
   void make_target(const image::Image& picture) {
@@ -203,6 +196,7 @@ class Tracker::Impl {
   // -- warm frames
 
   void make_warm(const image::Image& picture, const Motion& motion) {
+    rework_last();
     rest_.add(motion.unchanged);
     KnotMesh carried;
     std::optional<LinkMemory> links;
@@ -297,7 +291,7 @@ class Tracker::Impl {
   /// Of a cold frame, about: that of the last one, less what the picture has become harder since.
   double expected_psnr() {
     constexpr double kLeast = 1;  // squared levels, of the whole picture
-    return last_cold_.psnr - 10 * std::log10((difficulty_now() + kLeast) / (last_cold_.difficulty + kLeast));
+    return last_cold_.psnr - 10 * std::log10((difficulty_now() + kLeast) / (*last_cold_.difficulty + kLeast));
   }
 
   /// The space over a mesh that comes from the one there is, whose links are given. How many functions knots
@@ -358,8 +352,25 @@ class Tracker::Impl {
     fit_warm_frame(frame_before_, {picture, motion, match_, cold_.colour, options_}, frame_, *laps_);
   }
 
-  void prepare_next(const image::Image& picture, bool urgent) {
-    next_mesh_ = rework_.for_next_frame(rework_input(picture), report_->mec, urgent, rework_log());
+  /// What the mesh is reworked by, once there is a next frame: this one need not wait for that.
+  void keep_for_next(const image::Image& picture, bool urgent) {
+    last_mec_ = report_->mec;
+    if (!options_.warm_start) return;
+    last_picture_ = picture;
+    last_is_urgent_ = urgent;
+  }
+
+  /// Makes the mesh to start from of that of the last frame.
+  void rework_last() {
+    if (!target_) make_target(last_picture_);
+    parallel_invoke(
+        [&] {
+          if (!last_cold_.difficulty) last_cold_.difficulty = difficulty_now();
+        },
+        [&] {
+          next_mesh_ = rework_.for_next_frame(rework_input(last_picture_), last_mec_, last_is_urgent_,
+                                              rework_log());
+        });
   }
 
   ReworkInput rework_input(const image::Image& picture) const {
@@ -402,9 +413,11 @@ class Tracker::Impl {
 
   struct {
     double psnr = 0;
-    double difficulty = 0;
-  } last_cold_;  ///< that began the group, or was made in vain
+    std::optional<double> difficulty;  ///< found once there is a next frame
+  } last_cold_;                        ///< that began the group, or was made in vain
   double last_mec_ = 0;
+  image::Image last_picture_;  ///< if warm frames may follow
+  bool last_is_urgent_ = false;
   std::size_t most_functions_ = 0;
   int since_bend_ = 0;      ///< frames
   int since_softness_ = 0;  ///< frames

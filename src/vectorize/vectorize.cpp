@@ -435,8 +435,8 @@ class Run {
     lap("links");
     const spline::Basis basis(surface_.space);
     displacement_.assign(surface_.space->geometry_count(), Vec2{});
-    // Knots off the curves hardly change how well the geometry follows them.
-    if (has_features() && curves_refined_) {
+    // Only knots on curves change how well the geometry follows them, and only further rounds ask for that.
+    if (has_features() && curves_refined_ && !last_round_) {
       fit_geometry(spline::PixelValues(basis, picture_.width, picture_.height, places_));
     }
     surface_.fit = fit::fit_colours(basis, steering_, options_.colour);
