@@ -68,7 +68,9 @@ void add_effort(CLI::App& command, VectorizeOptions& options, const std::string&
              "Good enough: mean distance of features from their curves, in pixels\n", text_of(defaults.meg));
   add_number(command, "--rounds", options.rounds, "N", {1, 100},
              "Most rounds of fitting; each but the first adds knots where the error\nis large ",
-             by_preset([](const auto& o) { return o.rounds; }));
+             by_preset([](const auto& o) { return o.rounds; }) +
+                 fmt::format("; {} in a video with warm start",
+                             group_preset_options(vectorize::Preset::kBalanced).rounds));
   add_number(command, "--descent-steps", options.descent_steps, "N", {0, 1000},
              "Steps that move all knots against the true error at the end\n",
              by_preset([](const auto& o) { return o.descent_steps; }));
@@ -133,8 +135,10 @@ void add_vectorize_options(CLI::App& command, VectorizeOptions& options, const s
   command.option_defaults()->group("Options");
 }
 
-vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_t pixels) {
-  vectorize::Options options = vectorize::preset_options(kPresets.at(given.preset));
+vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_t pixels, bool starts_group) {
+  const vectorize::Preset preset = kPresets.at(given.preset);
+  vectorize::Options options =
+      starts_group ? vectorize::group_preset_options(preset) : vectorize::preset_options(preset);
   options.max_control_points = bound(given, pixels);
   replace(options.mec, given.mec);
   replace(options.meg, given.meg);
@@ -169,6 +173,7 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
           {"meg", o.meg},
           {"rounds", o.rounds},
           {"max_control_points", o.max_control_points},
+          {"first_share", o.first_share},
           {"feature_share", o.feature_share},
           {"descent_steps", o.descent_steps},
           {"seed", o.seed},

@@ -38,8 +38,10 @@ struct VectorizeOptions {
 void add_vectorize_options(CLI::App& command, VectorizeOptions& options, const std::string& default_bound);
 
 /// Preset and options together, for a picture of so many pixels.
+/// @param starts_group whether frames of a video are made from it.
 /// @throws Error{kInvalidArgument} if the bound on control points is no number or share.
-vectorize::Options effective_options(const VectorizeOptions& options, std::uint64_t pixels);
+vectorize::Options effective_options(const VectorizeOptions& options, std::uint64_t pixels,
+                                     bool starts_group = false);
 
 /// Every setting that has a say in the result, as docs/stats.md tells.
 nlohmann::ordered_json options_json(const vectorize::Options& options);

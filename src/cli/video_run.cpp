@@ -36,7 +36,7 @@ vectorize::Options cold_options(const VideoRun& run, std::uint64_t pixels) {
   VectorizeOptions given = run.options;
   if (!given.max_control_points)
     given.max_control_points = std::to_string(vectorize::default_video_control_points(pixels));
-  return vectorize::video_options(effective_options(given, pixels));
+  return vectorize::video_options(effective_options(given, pixels, run.tracking.warm_start));
 }
 
 nlohmann::ordered_json head_json(const VideoRun& run, const pipeline::Job& job) {

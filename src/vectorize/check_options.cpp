@@ -13,6 +13,8 @@ void check_options(const Options& options) {
   if (!(options.mec >= 0) || !(options.meg >= 0)) refuse("error bounds cannot be negative");
   if (!(options.feature_share >= 0 && options.feature_share <= 1))
     refuse("the share of features must be 0 to 1");
+  if (!(options.first_share > 0 && options.first_share <= 1))
+    refuse("the share of the first round must be above 0, up to 1");
   if (!(options.segment_knot_spacing > 0)) refuse("knots of feature segments must be some way apart");
   if (options.descent_steps < 0) refuse("the steps of the descent cannot be negative");
   if (options.optimise.rounds < 0 || options.optimise.steps < 0)

@@ -40,7 +40,16 @@ Options preset_options(Preset preset) {
   return options;
 }
 
+Options group_preset_options(Preset preset) {
+  Options options = preset_options(preset);
+  if (preset != Preset::kBalanced) return options;
+  options.rounds = 2;
+  options.optimise.steps = 2;
+  return options;
+}
+
 Options video_options(Options picture) {
+  picture.first_share = std::max(picture.first_share, 0.95);
   picture.feature_share = std::min(picture.feature_share, 0.15);
   picture.correction.strength = std::min(picture.correction.strength, 0.2);
   return picture;

@@ -32,9 +32,6 @@ namespace {
 using mesh::EditableMesh;
 using mesh::KnotIndex;
 
-// Share of the control points that the first round may use; the rest is for refinement.
-constexpr double kFirstShare = 0.8;
-
 // Of idle knots in a round of refinement: more go at once than in a video, where each change is seen.
 constexpr knots::SwapOptions kSwap{.ratio = 10, .share = 0.1};
 
@@ -329,7 +326,7 @@ class Run {
 
   void place_knots() {
     mesh_ = std::make_unique<EditableMesh>(start_mesh_);
-    const double share = options_.rounds > 1 ? kFirstShare : 1.0;
+    const double share = options_.rounds > 1 ? options_.first_share : 1.0;
     knots::insert_knots(*mesh_, *target_,
                         first_knots(*mesh_, share * static_cast<double>(max_functions_), options_));
     lap("place");
@@ -343,14 +340,13 @@ class Run {
   }
 
   /// Inserts knots where the last fit was worst, and moves there those that are idle elsewhere. @return
-  /// whether there was room for any.
+  /// whether there were any.
   bool refine(int round) {
     const int left = options_.rounds - round + 1;
     const double used = static_cast<double>(surface_.space->function_count());
     const double budget = used + (static_cast<double>(max_functions_) - used) / left;
     const double per_knot = used / static_cast<double>(surface_.space->mesh().knots.size());
-    const double wanted = (budget - used) / per_knot;
-    if (wanted < 1) return false;
+    const double wanted = std::max(0.0, (budget - used) / per_knot);
     knots::RefineOptions refine;
     refine.max_knots = static_cast<std::size_t>(0.98 * wanted);
     refine.min_distance = options_.optimise.min_distance;

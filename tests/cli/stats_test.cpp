@@ -72,6 +72,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "max_control_points",
                                  "descent_steps",
                                  "seed",
+                                 "first_share",
                                  "feature_share",
                                  "features",
                                  "fairing",

@@ -282,6 +282,20 @@ TEST_F(CliVideo, StatsAndProgressTellOfEveryFrame) {
   EXPECT_TRUE(progress.ends_with("progress=end\n"));
 }
 
+TEST_F(CliVideo, FramesThatOthersComeFromTakeFewerRoundsUnlessToldOtherwise) {
+  const auto rounds = [&](std::vector<std::string> options) {
+    std::vector<std::string> arguments{"transcode", clip_,      "-f",      "null",
+                                       "--frames",  "0-0",      "--stats", path("rounds.json")};
+    arguments.insert(arguments.end(), options.begin(), options.end());
+    expect_success(knotreel(arguments));
+    return json::parse(read_text(path("rounds.json")))["options"]["rounds"].get<int>();
+  };
+  EXPECT_EQ(rounds({}), 2);
+  EXPECT_EQ(rounds({"--no-warm-start"}), 3);
+  EXPECT_EQ(rounds({"--rounds", "4"}), 4);
+  EXPECT_EQ(rounds({"--preset", "fine"}), 3);
+}
+
 TEST_F(CliVideo, TrackingOptionsSayWhichFramesAreMadeAnew) {
   const auto keyframes = [&](const std::vector<std::string>& options) {
     std::vector<std::string> arguments{"vectorize", clip_, "-o", document_, "--preset", "fast"};

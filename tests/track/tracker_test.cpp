@@ -533,9 +533,21 @@ TEST(Tracker, BetweenReworksKnotsOnlyFollowTheMotion) {
   const Tracked run = track(noise_at_rest(), {.rework_interval = 3, .mend_below = 100}, 0);
   for (std::size_t i = 1; i < run.models.size(); ++i) {
     EXPECT_EQ(run.reports[i].changes.repairs, 0);
-    // The cold frame is reworked, and so is every third after it: their mesh is that of the frame after.
+    // The mesh of the cold frame is reworked for the next, and so is every third after it.
     EXPECT_EQ(has_moved_knots(run, i), i % 3 == 1) << i;
   }
+}
+
+TEST(Tracker, NoFrameWaitsForTheMeshOfTheNext) {
+  const auto reworked = [](const FrameReport& report) {
+    return std::ranges::any_of(report.milliseconds, [](const auto& lap) { return lap.first == "settle"; });
+  };
+  const std::vector<image::Image> pictures = moving(3);
+  const Tracked run = track({pictures[0], pictures[0], pictures[1], pictures[2]}, {.rework_interval = 1});
+  EXPECT_FALSE(reworked(run.reports[0])) << "there may be no other frame";
+  EXPECT_FALSE(reworked(run.reports[1])) << "it has the model of the first";
+  EXPECT_TRUE(reworked(run.reports[2]));
+  EXPECT_TRUE(reworked(run.reports[3]));
 }
 
 TEST(Tracker, AFrameThatFellIsMendedForTheNext) {

@@ -84,6 +84,17 @@ TEST(Vectorize, RoundsEndWhenThePictureIsMet) {
   EXPECT_LT(v.report.rounds.front().knots, 12U);
 }
 
+TEST(Vectorize, TheFirstRoundTakesItsShareOfTheControlPoints) {
+  const image::Image picture = still_life(120, 90);
+  for (const double share : {0.5, 0.9, 1.0}) {
+    const Options options{
+        .mec = 0, .rounds = 3, .max_control_points = 600, .first_share = share, .features = false};
+    const Vectorization v = vectorize_picture(picture, options);
+    EXPECT_NEAR(static_cast<double>(v.report.rounds.front().control_points), share * 600, 60) << share;
+    for (const RoundReport& round : v.report.rounds) EXPECT_LE(round.control_points, 600U) << share;
+  }
+}
+
 TEST(Vectorize, AnySizeAndAnyChannels) {
   constexpr std::pair<int, int> kSizes[] = {{1, 1}, {1, 7}, {9, 1}, {2, 2}, {3, 3}, {2, 40}, {17, 13}};
   for (const auto& [width, height] : kSizes) {
@@ -220,6 +231,9 @@ TEST(Vectorize, RefusesOptionsOutOfRange) {
   EXPECT_TRUE(refuses([](Options& o) { o.segment_knot_spacing = 0; }));
   EXPECT_TRUE(refuses([&](Options& o) { o.segment_knot_spacing = nan; }));
   EXPECT_TRUE(refuses([](Options& o) { o.feature_share = 1.5; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.first_share = 0; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.first_share = 1.5; }));
+  EXPECT_TRUE(refuses([&](Options& o) { o.first_share = nan; }));
   EXPECT_TRUE(refuses([](Options& o) { o.descent_steps = -1; }));
   EXPECT_TRUE(refuses([](Options& o) { o.colour.ridge = 0; }));
   EXPECT_TRUE(refuses([](Options& o) { o.colour.step = -1; }));

@@ -28,6 +28,9 @@ struct Options {
   double meg = 1;                      ///< and the mean error of the feature curves too, pixels; >= 0
   int rounds = 3;                      ///< of fitting, each but the first after inserting knots; 1 or more
   std::size_t max_control_points = 0;  ///< upper bound; 0: default_control_points()
+  /// Share of these that the first round may use, above 0, up to 1, if there are others: what is left, and
+  /// what is idle, goes where that fit was worst.
+  double first_share = 0.8;
   std::uint64_t seed = 1;              ///< kept in reports; the method draws no random numbers
 
   bool features = true;  ///< whether to look for features at all
@@ -71,6 +74,11 @@ std::size_t most_control_points(const Options& options, std::uint64_t pixels);
 
 /// The effort of a preset, all else as by default.
 Options preset_options(Preset preset);
+
+/// The effort of a preset for frames of a video that others are made from. Those go on mending, so that two
+/// rounds do where a picture on its own has three: the video is as good, and its first frame there sooner
+/// (docs/decisions/0030).
+Options group_preset_options(Preset preset);
 
 /// Those of a picture made fit for the frames of a video: with fewer control points per pixel and edges
 /// blurred by lossy codecs, all but the strongest features cost more than they bring (docs/decisions/0017).
