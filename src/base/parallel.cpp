@@ -88,7 +88,7 @@ void run_plainly(std::size_t count, const std::function<void(std::size_t)>& body
 
 }  // namespace
 
-Urgent::Urgent() : before_(std::exchange(urgent_here(), true)) {}
+Urgent::Urgent(bool really) : before_(std::exchange(urgent_here(), really || urgent_here())) {}
 Urgent::~Urgent() {
   urgent_here() = before_;
 }

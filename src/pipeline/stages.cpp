@@ -29,6 +29,11 @@ void make_folder(const std::string& folder) {
   }
 }
 
+/// The first frame is what somebody waits for; from then on, frames come as fast as they can.
+bool is_awaited(const Message& message) {
+  return message.index == 0;
+}
+
 }  // namespace
 
 Stages::Stages(const Job& job)
@@ -81,6 +86,7 @@ void Stages::plan(Message& message) {
 void Stages::cold(Message& message) {
   if (!message.starts_group) return;
   timed(failure_, "cold", message, [&] {
+    const Urgent urgent(is_awaited(message));
     const auto observer = job_.watch.cold ? job_.watch.cold(message.index) : vectorize::Observer();
     message.cold = track::make_cold_frame(*message.picture, job_.cold, job_.tracking.colour_step, observer);
   });
@@ -131,6 +137,7 @@ void Stages::write_single(const Message& message) {
 
 void Stages::rasterize(Message& message) {
   timed(failure_, "rasterize", message, [&] {
+    const Urgent urgent(is_awaited(message));
     if (!message.repeats) draw(message);
     if (job_.watch.stored) job_.watch.stored(message.index, *message.picture, message.model);
     message.model = {};

@@ -31,7 +31,8 @@ void parallel_for(std::size_t count, const std::function<void(std::size_t)>& bod
 /// must leave nothing behind in their thread that the next call counts on.
 class Urgent {
  public:
-  Urgent();
+  /// @param really false: whatever held before still does.
+  explicit Urgent(bool really = true);
   ~Urgent();
   Urgent(const Urgent&) = delete;
   Urgent& operator=(const Urgent&) = delete;
