@@ -368,8 +368,8 @@ class Tracker::Impl {
           if (!last_cold_.difficulty) last_cold_.difficulty = difficulty_now();
         },
         [&] {
-          next_mesh_ = rework_.for_next_frame(rework_input(last_picture_), last_mec_, last_is_urgent_,
-                                              rework_log());
+          next_mesh_ =
+              rework_.for_next_frame(rework_input(last_picture_), last_mec_, last_is_urgent_, rework_log());
         });
   }
 

@@ -284,8 +284,8 @@ TEST_F(CliVideo, StatsAndProgressTellOfEveryFrame) {
 
 TEST_F(CliVideo, FramesThatOthersComeFromTakeFewerRoundsUnlessToldOtherwise) {
   const auto rounds = [&](std::vector<std::string> options) {
-    std::vector<std::string> arguments{"transcode", clip_,      "-f",      "null",
-                                       "--frames",  "0-0",      "--stats", path("rounds.json")};
+    std::vector<std::string> arguments{"transcode", clip_, "-f",      "null",
+                                       "--frames",  "0-0", "--stats", path("rounds.json")};
     arguments.insert(arguments.end(), options.begin(), options.end());
     expect_success(knotreel(arguments));
     return json::parse(read_text(path("rounds.json")))["options"]["rounds"].get<int>();

@@ -30,9 +30,9 @@ struct TrackOptions {
   double scene_threshold = 0.4;  ///< as motion::CutOptions::threshold
   /// While the MEC is above the one asked for, a cold frame is considered when the fit is this many dB worse
   /// than when that was done last, or at the start of the group ...
-  double drift = 2;
+  double drift = 1.8;
   int look_interval = 16;     ///< ... and when so many frames have gone by, 1 or more
-  double restart_gain = 1.5;  ///< it is made if it promises to be better by so many dB, and kept if it is
+  double restart_gain = 1.3;  ///< it is made if it promises to be better by so many dB, and kept if it is
   double grow_above = 1.1;    ///< times the MEC asked for: frames above it are followed by ones with ...
   double growth = 0.05;       ///< ... this share more of control points, as long as the bound leaves room
   /// Every so many frames, 1 or more, knots settle, and idle and lost ones come back elsewhere; in between

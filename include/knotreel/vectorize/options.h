@@ -31,7 +31,7 @@ struct Options {
   /// Share of these that the first round may use, above 0, up to 1, if there are others: what is left, and
   /// what is idle, goes where that fit was worst.
   double first_share = 0.8;
-  std::uint64_t seed = 1;              ///< kept in reports; the method draws no random numbers
+  std::uint64_t seed = 1;  ///< kept in reports; the method draws no random numbers
 
   bool features = true;  ///< whether to look for features at all
   /// Share of the control points that features may use up, 0 to 1; those of least contrast are left out.
