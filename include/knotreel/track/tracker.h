@@ -38,8 +38,10 @@ struct TrackOptions {
   /// Every so many frames, 1 or more, knots settle, and idle and lost ones come back elsewhere; in between
   /// they only follow the motion.
   int rework_interval = 2;
-  bool settle = true;      ///< whether knots go on descending on the true residual, a step each time
-  int inserted_steps = 4;  ///< in which new knots are moved to where the picture wants them, 0 or more ...
+  bool settle = true;  ///< whether knots go on descending on the true residual, a step each time
+  /// In so many steps, 0 or more, but no more than the cold frame's knots::OptimiseOptions has, new knots are
+  /// moved to where the picture wants them ...
+  int inserted_steps = 4;
   double much_new = 0.08;  ///< ... with their neighbours, if they are more than this share of all
   /// Frames, 1 or more, between looks whether the feature curves miss edges; after a frame without one that
   /// was worse by repair_below, there is one in every frame for a while.

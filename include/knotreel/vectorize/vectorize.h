@@ -22,7 +22,7 @@ struct RoundReport {
   std::size_t knots = 0;
   std::size_t control_points = 0;
   double mec = 0;   ///< levels
-  double meg = 0;   ///< pixels
+  double meg = 0;   ///< pixels; of the last geometry that was fitted, 0 before: further rounds ask for one
   double psnr = 0;  ///< dB
   std::size_t raw_bytes = 0;
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
