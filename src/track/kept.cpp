@@ -125,18 +125,18 @@ std::vector<std::uint8_t> Kept::ages() const {
   const spline::PixelValues& values = frame_.values();
   const image::Image& picture = frame_.seen.picture;
   const auto channels = static_cast<std::size_t>(picture.channels);
-  std::vector<std::uint8_t> same = tiles_;
+  std::vector<std::uint8_t> most(tiles_.size());  // by tile
   for_tiles(values, [&](std::size_t t) {
-    same[t] = same[t] &&
-              same_numbers<float>(values, t, picture.samples, before_.seen.picture.samples, channels) &&
-              same_numbers<float>(values, t, frame_.seen.weights, before_.seen.weights);
+    const bool same_colours =
+        same_numbers<float>(values, t, picture.samples, before_.seen.picture.samples, channels) &&
+        same_numbers<float>(values, t, frame_.seen.weights, before_.seen.weights);
+    most[t] = !same_colours ? 0 : tiles_[t] ? 255 : 1;
   });
-  for (FunctionIndex f = 0; f < ages.size(); ++f) {
-    if (functions_[f]) ages[f] = static_cast<std::uint8_t>(std::min(before_.ages[match_[f]] + 1, 255));
-  }
-  for (std::size_t t = 0; t < same.size(); ++t) {
-    if (same[t]) continue;
-    for (const FunctionIndex f : values.functions(t)) ages[f] = 0;
+  for (FunctionIndex f = 0; f < ages.size(); ++f)
+    ages[f] = functions_[f] ? static_cast<std::uint8_t>(std::min(before_.ages[match_[f]] + 1, 255)) : 1;
+  for (std::size_t t = 0; t < most.size(); ++t) {
+    if (most[t] == 255) continue;
+    for (const FunctionIndex f : values.functions(t)) ages[f] = std::min(ages[f], most[t]);
   }
   return ages;
 }

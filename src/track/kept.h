@@ -25,7 +25,8 @@ class Kept {
   void see();
 
   /// By function: for how many fits, up to 255, the pixels that it reaches have had the same colours, places
-  /// and functions. After see().
+  /// and functions, where the first with other functions or places counts, too: of a picture that has changed
+  /// the target still has what was missed before. After see().
   std::vector<std::uint8_t> ages() const;
 
   /// By tile, whether the surface of control points is the same there, but for rounding; none: nowhere.

@@ -120,6 +120,22 @@ TEST_F(KeptParts, FunctionsAreYoungWhereAPixelChanges) {
   }
 }
 
+TEST_F(KeptParts, AFitLessIsAskedForWhereOnlyAFunctionChanges) {
+  FittedFrame frame = frame_of(model_.space, model_.displacement, picture_, control_);
+  constexpr FunctionIndex kChanged = 20;
+  frame.prints[kChanged] ^= 1;
+  Kept kept(before_, frame, match_);
+  kept.see();
+  std::vector<std::uint8_t> expected(match_.size(), 4);
+  for (std::size_t t = 0; t < frame.values().tile_count(); ++t) {
+    const auto here = frame.values().functions(t);
+    if (std::ranges::find(here, kChanged) == here.end()) continue;
+    for (const FunctionIndex f : here) expected[f] = 1;
+  }
+  EXPECT_EQ(kept.ages(), expected);
+  EXPECT_GT(std::ranges::count(expected, 4), std::ptrdiff_t(expected.size() / 4));
+}
+
 TEST_F(KeptParts, TheSurfaceIsNewWhereAColourIs) {
   const FittedFrame frame = frame_of(model_.space, model_.displacement, picture_, control_);
   Kept kept(before_, frame, match_);
