@@ -32,10 +32,20 @@ void add_video_input_options(CLI::App& command, VideoInputOptions& options) {
   command.add_option("--image-rate", options.image_rate, "Frames per second of a folder of pictures")
       ->type_name("R")
       ->capture_default_str();
+  CLI::Option* frames =
+      command
+          .add_option("--frames", options.frames,
+                      "Only these frames of the video, counted from 0, and their sound; A- is up\nto the end")
+          ->type_name("A-B");
   command
-      .add_option("--frames", options.frames,
-                  "Only these frames of the video, counted from 0, and their sound; A- is up\nto the end")
-      ->type_name("A-B");
+      .add_option(
+          "--start", options.start,
+          "Only frames from this time on, counted from the first frame, in seconds\nor as [HH:]MM:SS.S")
+      ->type_name("TIME")
+      ->excludes(frames);
+  command.add_option("--end", options.end, "Only frames before this time")
+      ->type_name("TIME")
+      ->excludes(frames);
   command.add_flag("--strict", options.strict,
                    "Damage in a video is an error; without, what can be\n"
                    "decoded is used, and a warning tells of the rest");
@@ -133,6 +143,27 @@ FrameRange parse_frames(const std::string& text) {
   return range;
 }
 
+double parse_time(const std::string& option, const std::string& text) {
+  constexpr const char* kWanted = "seconds or [HH:]MM:SS, such as 75.5 or 1:15.5";
+  std::string_view left = text;
+  double seconds = 0;
+  for (int parts = 1;; ++parts) {
+    const std::size_t colon = left.find(':');
+    double value = 0;
+    if (colon != std::string_view::npos) {
+      std::uint32_t whole = 0;
+      if (parts == 3 || !parse(left.substr(0, colon), whole)) refuse(option, text, kWanted);
+      value = whole;
+    } else if (!parse(left, value) || !(value >= 0 && value <= 1e9)) {
+      refuse(option, text, kWanted);
+    }
+    if (parts > 1 && value >= 60) refuse(option, text, kWanted);
+    seconds = 60 * seconds + value;
+    if (colon == std::string_view::npos) return seconds;
+    left.remove_prefix(colon + 1);
+  }
+}
+
 video::ReadOptions read_options(const VideoInputOptions& given, int threads) {
   video::ReadOptions options;
   options.threads = threads;
@@ -142,9 +173,12 @@ video::ReadOptions read_options(const VideoInputOptions& given, int threads) {
   options.image_rate = parse_rate("--image-rate", given.image_rate);
   if (!given.frames.empty()) {
     const FrameRange range = parse_frames(given.frames);
-    options.first = range.first;
-    if (range.last) options.count = *range.last - range.first + 1;
+    options.part.first = range.first;
+    if (range.last) options.part.count = *range.last - range.first + 1;
   }
+  if (!given.start.empty()) options.part.start = parse_time("--start", given.start);
+  if (!given.end.empty()) options.part.end = parse_time("--end", given.end);
+  if (options.part.end <= options.part.start) refuse("--end", given.end, "a time behind the start");
   for (const std::string& pair : given.demuxer) {
     const std::size_t sign = pair.find('=');
     if (sign == std::string::npos || sign == 0) refuse("--input-option", pair, "KEY=VALUE");

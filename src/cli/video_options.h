@@ -22,6 +22,8 @@ struct VideoInputOptions {
   std::vector<std::string> demuxer;  ///< "key=value"
   std::string image_rate = "25";
   std::string frames;  ///< as parse_frames() takes them; empty: all
+  std::string start;   ///< as parse_time() takes it; empty: the first frame
+  std::string end;     ///< likewise; empty: up to the end
   bool strict = false;
   bool no_copy_streams = false;
 };
@@ -56,6 +58,9 @@ struct FrameRange {
 };
 /// "3-7", "3-" or "3". @throws Error{kInvalidArgument} for anything else.
 FrameRange parse_frames(const std::string& text);
+
+/// Seconds, as "75.5", "1:15.5" or "0:01:15.5". @throws Error{kInvalidArgument} with the option's name.
+double parse_time(const std::string& option, const std::string& text);
 
 /// As docs/stats.md tells.
 nlohmann::ordered_json tracking_json(const track::TrackOptions& options);

@@ -60,16 +60,16 @@ void warn_all(const std::vector<std::string>& lines) {
   for (const std::string& line : lines) warn(line);
 }
 
-/// A part that goes on behind the end of the video.
-void warn_of_missing_frames(const std::string& wanted, const pipeline::Summary& summary) {
-  if (wanted.empty() || summary.stopped) return;
-  const FrameRange range = parse_frames(wanted);
-  if (!range.last || summary.frames > *range.last - range.first) return;
-  warn(fmt::format("--frames {}: the video ends after {} of these {} frames", wanted, summary.frames,
-                   *range.last - range.first + 1));
-}
-
 }  // namespace
+
+std::string missing_frames(const VideoRun& run, const pipeline::Summary& summary) {
+  const std::string& wanted = run.reading.frames;
+  if (wanted.empty() || summary.stopped) return {};
+  const FrameRange range = parse_frames(wanted);
+  if (!range.last || summary.frames > *range.last - range.first) return {};
+  return fmt::format("--frames {}: the video ends after {} of these {} frames", wanted, summary.frames,
+                     *range.last - range.first + 1);
+}
 
 pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
   const video::StreamInfo& info = reader.info();
@@ -147,7 +147,7 @@ pipeline::Summary run_video(const VideoRun& run) {
   }
   warn_all(reader.warnings());
   warn_all(summary.warnings);
-  warn_of_missing_frames(run.reading.frames, summary);
+  if (const std::string missing = missing_frames(run, summary); !missing.empty()) warn(missing);
   progress.end();
   auto tail = summary_json(summary);
   tail["damaged"] = reader.damaged();

@@ -42,6 +42,9 @@ std::vector<Output> outputs_of(const VideoRun& run);
 /// @throws Error{kInterrupted} after a signal, when all files are whole; as check_paths().
 pipeline::Summary run_video(const VideoRun& run);
 
+/// "--frames A-B: ...", if the part goes on behind the end of the video; else empty.
+std::string missing_frames(const VideoRun& run, const pipeline::Summary& summary);
+
 /// What both commands say in the end: frames, time, quality.
 std::string summary_text(const std::string& output, const pipeline::Summary& summary);
 

@@ -1,7 +1,10 @@
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <optional>
+#include <sstream>
+#include <string>
 #include <utility>
 
 #include "knotreel/base/error.h"
@@ -12,21 +15,17 @@ namespace knotreel::video {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
+constexpr double kSameTime = 1e-6;  // seconds; times are told with less than that
 
 /// Some of the frames of another source, and the packets of the time in which they are shown.
 class PartSource : public Source {
  public:
-  PartSource(std::unique_ptr<Source> whole, std::uint64_t first, std::uint64_t count)
-      : whole_(std::move(whole)), count_(count) {
+  PartSource(std::unique_ptr<Source> whole, const Part& part) : whole_(std::move(whole)), part_(part) {
     info_ = whole_->info();
-    pass_over(first);
+    pass_over();
     ahead_ = read();
-    if (!ahead_) {
-      throw Error(ErrorKind::kInvalidArgument, "there is no frame " + std::to_string(first) +
-                                                   ": the video has " + std::to_string(passed_over_) +
-                                                   ", the first of which is 0");
-    }
-    describe(first);
+    if (!ahead_) refuse();
+    describe();
   }
 
   bool next(Frame& frame) override {
@@ -34,15 +33,15 @@ class PartSource : public Source {
     frame = std::move(*ahead_);
     ahead_.reset();
     frame.index = handed_out_++;
-    end_ = count_ > 0 ? seconds_of(frame.pts + frame.duration) : kForever;
+    end_ = has_end() ? seconds_of(frame.pts + frame.duration) : kForever;
     hold(std::move(frame.packets));
     frame.packets = shown();
-    if (handed_out_ != count_) ahead_ = read();
+    if (handed_out_ != part_.count) ahead_ = read();
     return true;
   }
 
   std::vector<Packet> take_packets() override {
-    const bool is_whole_part = count_ > 0 && handed_out_ == count_;
+    const bool is_whole_part = ended_ || (part_.count > 0 && handed_out_ == part_.count);
     if (!is_whole_part) end_ = kForever;
     hold(is_whole_part ? whole_->packets_until(end_) : whole_->take_packets());
     return shown();
@@ -61,32 +60,62 @@ class PartSource : public Source {
  private:
   double seconds_of(std::int64_t pts) const { return static_cast<double>(pts) * info_.time_base.value(); }
 
+  bool has_end() const { return part_.count > 0 || part_.end < kForever; }
+
+  /// Nothing behind the last frame, or if the next one is not of the part any more.
   std::optional<Frame> read() {
     Frame frame;
-    if (!whole_->next(frame)) return {};
-    return frame;
+    if (ended_ || !whole_->next(frame)) return {};
+    if (!zero_) zero_ = seconds_of(frame.pts);
+    if (seconds_of(frame.pts) - *zero_ < part_.end - kSameTime) return frame;
+    ended_ = true;
+    hold(std::move(frame.packets));
+    return {};
   }
 
   /// What belongs to the frames before the part goes; so does what is held, lest it grow.
-  void pass_over(std::uint64_t frames) {
-    for (; passed_over_ < frames; ++passed_over_) {
+  void pass_over() {
+    double next = 0;  // of the frame that is not read yet, seconds from the first one on
+    for (; passed_over_ < part_.first || next < part_.start - kSameTime; ++passed_over_) {
       check_while_working();
       Frame frame;
       if (!whole_->skip(frame)) return;
+      if (!zero_) zero_ = seconds_of(frame.pts);
       begin_ = seconds_of(frame.pts + frame.duration);
+      next = begin_ - *zero_;
       hold(std::move(frame.packets));
     }
   }
 
-  void describe(std::uint64_t first) {
-    const double rate = info_.frames > 0 ? static_cast<double>(info_.frames) / info_.seconds : 0;
-    info_.frames -= std::min(info_.frames, first);
-    if (count_ > 0) {
-      info_.frames = info_.frames > 0 ? std::min(info_.frames, count_) : count_;
-      info_.end = 0;
+  [[noreturn]] void refuse() const {
+    const auto seconds = [](double s) {
+      std::ostringstream text;
+      text << s << " s";
+      return text.str();
+    };
+    std::string what = "there is no frame ";
+    if (ended_) {
+      what += "from " + seconds(part_.start) + " to " + seconds(part_.end);
+    } else {
+      what += part_.start > 0 ? "from " + seconds(part_.start) + " on" : std::to_string(part_.first);
+      what += ": the video has " + std::to_string(passed_over_);
+      if (part_.start == 0) what += ", the first of which is 0";
     }
+    throw Error(ErrorKind::kInvalidArgument, what);
+  }
+
+  void describe() {
+    const double rate = info_.frames > 0 ? static_cast<double>(info_.frames) / info_.seconds : 0;
+    info_.frames -= std::min(info_.frames, passed_over_);
+    std::uint64_t most = part_.count;
+    if (part_.end < kForever && rate > 0) {
+      const auto there = static_cast<std::uint64_t>(std::llround((part_.end - part_.start) * rate));
+      most = std::max<std::uint64_t>(1, most > 0 ? std::min(most, there) : there);
+    }
+    if (most > 0) info_.frames = info_.frames > 0 ? std::min(info_.frames, most) : most;
+    if (has_end()) info_.end = 0;
     info_.seconds = rate > 0 ? static_cast<double>(info_.frames) / rate : 0;
-    if (first == 0) return;
+    if (passed_over_ == 0) return;
     info_.start = ahead_->pts;
     begin_ = seconds_of(ahead_->pts);
   }
@@ -109,7 +138,9 @@ class PartSource : public Source {
   }
 
   std::unique_ptr<Source> whole_;
-  std::uint64_t count_;  ///< of frames, at most; 0: up to the end
+  Part part_;
+  bool ended_ = false;          ///< the frame behind the part has been met
+  std::optional<double> zero_;  ///< time of the first frame of the whole, seconds on the clock of the file
   std::uint64_t passed_over_ = 0;
   std::uint64_t handed_out_ = 0;
   std::optional<Frame> ahead_;
@@ -120,8 +151,8 @@ class PartSource : public Source {
 
 }  // namespace
 
-std::unique_ptr<Source> open_part(std::unique_ptr<Source> whole, std::uint64_t first, std::uint64_t count) {
-  return std::make_unique<PartSource>(std::move(whole), first, count);
+std::unique_ptr<Source> open_part(std::unique_ptr<Source> whole, const Part& part) {
+  return std::make_unique<PartSource>(std::move(whole), part);
 }
 
 }  // namespace knotreel::video

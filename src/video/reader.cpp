@@ -49,8 +49,7 @@ VideoReader VideoReader::open(const std::string& input, const ReadOptions& optio
   silence_libav();
   auto state = std::make_unique<ReaderState>();
   state->source = open_source(input, options);
-  if (options.first > 0 || options.count > 0)
-    state->source = open_part(std::move(state->source), options.first, options.count);
+  if (options.part != Part{}) state->source = open_part(std::move(state->source), options.part);
   return VideoReader(std::move(state));
 }
 

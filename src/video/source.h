@@ -50,10 +50,8 @@ std::unique_ptr<Source> open_stream(const std::string& input, const ReadOptions&
 std::unique_ptr<Source> open_pictures(std::vector<std::string> files, const ReadOptions& options,
                                       std::uint64_t missing = 0);
 
-/// Some frames of a source, from the one with this number on, and the packets of the time in which they are
-/// shown. Those before are read and passed over.
-/// @param count  of frames, at most; 0: up to the end.
+/// Some frames of a source, and the packets of the time in which they are shown.
 /// @throws Error{kInvalidArgument} if there is no such frame.
-std::unique_ptr<Source> open_part(std::unique_ptr<Source> whole, std::uint64_t first, std::uint64_t count);
+std::unique_ptr<Source> open_part(std::unique_ptr<Source> whole, const Part& part);
 
 }  // namespace knotreel::video

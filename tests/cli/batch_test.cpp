@@ -272,6 +272,18 @@ TEST(CliBatch, ClipsBecomeVideosAndResumeSkipsThem) {
   EXPECT_NE(read_text(out + "/manifest.jsonl").find("skipped"), std::string::npos);
 }
 
+TEST(CliBatch, APartBehindTheEndOfAClipIsToldOf) {
+  const TempDir dir;
+  std::filesystem::create_directory(dir / "in");
+  test::write_clip((dir / "in/clip.mkv").string(), 4);
+  const auto made = test::knotreel(
+      {"batch", (dir / "in").string(), "-o", (dir / "out").string(), "--preset", "fast", "--frames", "2-9"});
+  EXPECT_EQ(made.exit_code, 0);
+  EXPECT_NE(made.err.find("clip.mkv': --frames 2-9: the video ends after 2 of these 8 frames"),
+            std::string::npos)
+      << made.err;
+}
+
 /// The first file that is opened would get the number of standard output.
 TEST(Batch, AClosedStandardOutputIsNotTheManifest) {
   const test::TempDir dir;

@@ -2,6 +2,7 @@
 #include <cstring>
 #include <filesystem>
 #include <fstream>
+#include <sstream>
 
 #include "knotreel/document/reader.h"
 #include "knotreel/image/read_image.h"
@@ -121,6 +122,29 @@ TEST_F(CliVideo, APartOfAVideoIsMadeAlone) {
     expect_failure(knotreel({"vectorize", clip_, "-o", path("x.tcb"), std::string("--frames=") + wrong}), 2);
   }
   expect_failure(knotreel({"vectorize", clip_, "-o", path("x.tcb"), "--frames", "6-"}), 2);
+}
+
+TEST_F(CliVideo, APartOfAVideoCanBeToldByTimes) {
+  const auto made = [&](const std::string& name, std::vector<std::string> part) {
+    part.insert(part.begin(), {"vectorize", clip_, "-o", path(name), "--preset", "fast"});
+    expect_success(knotreel(part));
+    return read_text(path(name));
+  };
+  const std::string expected = made("by_number.tcb", {"--frames", "2-4"});
+  const auto time = [&](std::size_t frame) {
+    std::ostringstream text;
+    text << double(times_[frame] - times_[0]) / 1000;
+    return text.str();
+  };
+  EXPECT_TRUE(made("by_time.tcb", {"--start", time(2), "--end", time(5)}) == expected);
+  EXPECT_TRUE(made("by_minutes.tcb", {"--start", "0:00:" + time(2), "--end", "0:" + time(5)}) == expected);
+  for (const char* wrong : {"1:60", "1:2:3:4", ":1", "1:", "-1", "a", "", "1.5:0", "1e99"}) {
+    SCOPED_TRACE(wrong);
+    expect_failure(knotreel({"vectorize", clip_, "-o", path("x.tcb"), std::string("--start=") + wrong}), 2);
+  }
+  expect_failure(knotreel({"vectorize", clip_, "-o", path("x.tcb"), "--start", "2", "--end", "2"}), 2);
+  expect_failure(knotreel({"vectorize", clip_, "-o", path("x.tcb"), "--start", "100"}), 2);
+  expect_failure(knotreel({"vectorize", clip_, "-o", path("x.tcb"), "--start", "0", "--frames", "1-2"}), 2);
 }
 
 TEST_F(CliVideo, RenderMakesPicturesOfARange) {

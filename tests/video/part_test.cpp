@@ -13,8 +13,8 @@ using test::TempDir;
 
 ReadOptions part(std::uint64_t first, std::uint64_t count) {
   ReadOptions options;
-  options.first = first;
-  options.count = count;
+  options.part.first = first;
+  options.part.count = count;
   return options;
 }
 
@@ -87,6 +87,36 @@ TEST(Parts, OfPicturesAreCountedToo) {
   const WholeClip whole = read_clip(dir / "f_%02d.png");
   ASSERT_EQ(whole.frames.size(), 6u);
   expect_part(read_clip(dir / "f_%02d.png", part(2, 3)), whole, 2, 3);
+}
+
+ReadOptions between(double start, double end) {
+  ReadOptions options;
+  options.part.start = start;
+  if (end > 0) options.part.end = end;
+  return options;
+}
+
+/// Of a clip of any rate, times before a frame and at it.
+TEST(Parts, AreFoundByTheirTimes) {
+  const TempDir dir;
+  for (const char* name : {"a.mp4", "a.mkv"}) {
+    SCOPED_TRACE(name);
+    write_sound_clip(dir / name, "aac", true);
+    const WholeClip whole = read_clip(dir / name);
+    std::vector<double> times = seconds(whole);
+    for (double& t : times) t -= seconds(whole)[0];
+    const double before = 0.001;
+    for (const double early : {0.0, before}) {
+      expect_part(read_clip(dir / name, between(times[3] - early, times[8] - early)), whole, 3, 5);
+      expect_part(read_clip(dir / name, between(times[20] - early, 0)), whole, 20, 5);
+      expect_part(read_clip(dir / name, between(0, times[7] - early)), whole, 0, 7);
+    }
+    expect_part(read_clip(dir / name, between(times[3] + before, 1000)), whole, 4, 21);
+    EXPECT_EQ(VideoReader::open(dir / name, between(times[10], times[15])).info().frames, 5u);
+    for (const ReadOptions& none : {between(times[3] + before, times[4] - before), between(1000, 0)}) {
+      EXPECT_EQ(kind_of([&] { VideoReader::open(dir / name, none); }), ErrorKind::kInvalidArgument);
+    }
+  }
 }
 
 TEST(Parts, BehindTheEndAreAnError) {

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <limits>
 #include <map>
 #include <memory>
 #include <span>
@@ -22,6 +23,17 @@ struct Frame {
   std::vector<Packet> packets;  ///< of the copied streams, read since the frame before
 };
 
+/// What is wanted of a video: frames by their numbers, or by their times. Those before are decoded and passed
+/// over; of copied streams the same time is kept.
+struct Part {
+  std::uint64_t first = 0;  ///< number of the frame to begin with
+  std::uint64_t count = 0;  ///< of frames, at most; 0: up to the end
+  double start = 0;         ///< of earlier frames none; seconds from the first frame of the video on
+  double end = std::numeric_limits<double>::infinity();  ///< of frames from here on none
+
+  friend bool operator==(const Part&, const Part&) = default;
+};
+
 struct ReadOptions {
   int threads = 0;           ///< for decoding; 0: as many as there are cores
   bool strict = false;       ///< damage is an error
@@ -30,8 +42,7 @@ struct ReadOptions {
   std::string format;        ///< libav's name of the input format; empty: found by content
   std::map<std::string, std::string> demuxer_options;  ///< such as video_size, framerate, pixel_format
   Rational image_rate{25, 1};                          ///< of pictures
-  std::uint64_t first = 0;  ///< number of the frame to begin with; those before are decoded and passed over
-  std::uint64_t count = 0;  ///< of frames, at most; 0: up to the end. Of copied streams the same time is kept
+  Part part;                                           ///< all, if not told otherwise
 };
 
 inline constexpr std::size_t kPictureStart = 4096;  ///< bytes that are enough for holds_one_picture()
@@ -53,7 +64,7 @@ class VideoReader {
   ///               order; a pattern with one `%d` or `%04d`, taken by number. Frames are brought to the size
   ///               of the first one.
   /// @throws Error{kInput} if there is nothing that can be decoded, Error{kInvalidArgument} for options that
-  /// the format does not know, and for a first frame that the video does not have.
+  /// the format does not know, and for a part without a frame.
   static VideoReader open(const std::string& input, const ReadOptions& options = {});
   VideoReader(VideoReader&&) noexcept;
   VideoReader& operator=(VideoReader&&) noexcept;
