@@ -15,7 +15,8 @@ namespace knotreel::video {
 namespace {
 
 constexpr double kForever = std::numeric_limits<double>::infinity();
-constexpr double kSameTime = 1e-6;  // seconds; times are told with less than that
+constexpr double kMostFrames = 1e15;  // that an estimate may come to
+constexpr double kSameTime = 1e-6;    // seconds; times are told with less than that
 
 /// Some of the frames of another source, and the packets of the time in which they are shown.
 class PartSource : public Source {
@@ -105,11 +106,13 @@ class PartSource : public Source {
   }
 
   void describe() {
-    const double rate = info_.frames > 0 ? static_cast<double>(info_.frames) / info_.seconds : 0;
+    const bool is_known = info_.frames > 0 && info_.seconds > 0;
+    const double rate = is_known ? static_cast<double>(info_.frames) / info_.seconds : 0;
     info_.frames -= std::min(info_.frames, passed_over_);
     std::uint64_t most = part_.count;
     if (part_.end < kForever && rate > 0) {
-      const auto there = static_cast<std::uint64_t>(std::llround((part_.end - part_.start) * rate));
+      const double frames = std::min(kMostFrames, std::round((part_.end - part_.start) * rate));
+      const auto there = static_cast<std::uint64_t>(frames);
       most = std::max<std::uint64_t>(1, most > 0 ? std::min(most, there) : there);
     }
     if (most > 0) info_.frames = info_.frames > 0 ? std::min(info_.frames, most) : most;
