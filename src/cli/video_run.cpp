@@ -62,13 +62,13 @@ void warn_all(const std::vector<std::string>& lines) {
 
 }  // namespace
 
-std::string missing_frames(const VideoRun& run, const pipeline::Summary& summary) {
+std::vector<std::string> missing_frames(const VideoRun& run, const pipeline::Summary& summary) {
   const std::string& wanted = run.reading.frames;
   if (wanted.empty() || summary.stopped) return {};
   const FrameRange range = parse_frames(wanted);
   if (!range.last || summary.frames > *range.last - range.first) return {};
-  return fmt::format("--frames {}: the video ends after {} of these {} frames", wanted, summary.frames,
-                     *range.last - range.first + 1);
+  return {fmt::format("--frames {}: the video ends after {} of these {} frames", wanted, summary.frames,
+                      *range.last - range.first + 1)};
 }
 
 pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
@@ -147,7 +147,7 @@ pipeline::Summary run_video(const VideoRun& run) {
   }
   warn_all(reader.warnings());
   warn_all(summary.warnings);
-  if (const std::string missing = missing_frames(run, summary); !missing.empty()) warn(missing);
+  warn_all(missing_frames(run, summary));
   progress.end();
   auto tail = summary_json(summary);
   tail["damaged"] = reader.damaged();

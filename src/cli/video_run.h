@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "cli/distinct_paths.h"
 #include "cli/vectorize_options.h"
@@ -42,8 +43,8 @@ std::vector<Output> outputs_of(const VideoRun& run);
 /// @throws Error{kInterrupted} after a signal, when all files are whole; as check_paths().
 pipeline::Summary run_video(const VideoRun& run);
 
-/// "--frames A-B: ...", if the part goes on behind the end of the video; else empty.
-std::string missing_frames(const VideoRun& run, const pipeline::Summary& summary);
+/// What to warn of if `--frames` goes on behind the end of the video; else nothing.
+std::vector<std::string> missing_frames(const VideoRun& run, const pipeline::Summary& summary);
 
 /// What both commands say in the end: frames, time, quality.
 std::string summary_text(const std::string& output, const pipeline::Summary& summary);

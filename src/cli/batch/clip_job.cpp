@@ -32,8 +32,7 @@ Figures ClipJob::run(const Item& item, Room& room) const {
   const pipeline::Summary summary = pipeline::run_graph(job);
   warn_of(item.input, reader.warnings());
   warn_of(item.input, summary.warnings);
-  if (const std::string missing = missing_frames(run, summary); !missing.empty())
-    warn_of(item.input, {missing});
+  warn_of(item.input, missing_frames(run, summary));
   return {static_cast<std::size_t>(std::lround(summary.knots)),
           static_cast<std::size_t>(std::lround(summary.control_points)), summary.psnr,
           std::filesystem::file_size(item.output), summary.frames};
