@@ -12,10 +12,6 @@
 namespace knotreel::cli {
 namespace {
 
-[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& wanted) {
-  throw Error(ErrorKind::kInvalidArgument, option + " takes " + wanted + ", not '" + text + "'");
-}
-
 template <typename Number>
 std::optional<Number> number(std::string_view text) {
   Number value{};
@@ -38,6 +34,10 @@ std::vector<int> numbers(std::string_view text, char separator) {
 }
 
 }  // namespace
+
+void refuse(const std::string& option, const std::string& text, const std::string& wanted) {
+  throw Error(ErrorKind::kInvalidArgument, option + " takes " + wanted + ", not '" + text + "'");
+}
 
 Size parse_size(const std::string& option, const std::string& text) {
   const std::vector<int> values = numbers(text, 'x');
@@ -84,6 +84,61 @@ std::uint64_t parse_count(const std::string& option, const std::string& text, st
     return *count;
   }
   refuse(option, text, "a number such as 3000 or a share of the pixels such as 2% (above 0, at most 100%)");
+}
+
+video::Rational parse_rate(const std::string& option, const std::string& text) {
+  const std::string_view all = text;
+  const std::size_t slash = all.find('/');
+  video::Rational rate;
+  if (slash != std::string_view::npos) {
+    rate.num = number<std::int64_t>(all.substr(0, slash)).value_or(0);
+    rate.den = number<std::int64_t>(all.substr(slash + 1)).value_or(0);
+  } else if (const auto value = number<double>(all); value && *value <= 100000) {
+    const bool whole = *value == std::floor(*value);
+    rate =
+        whole ? video::Rational{std::int64_t(*value), 1} : video::Rational{std::llround(*value * 1000), 1000};
+  }
+  if (!rate.known() || rate.num > 0x7fffffff || rate.den > 0x7fffffff) {
+    refuse(option, text, "frames per second such as 25 or 30000/1001");
+  }
+  return rate;
+}
+
+FrameRange parse_frames(const std::string& text) {
+  constexpr const char* kWanted = "A-B, A- or A, with whole numbers, B not below A";
+  const auto whole = [&](std::string_view word) {
+    const auto value = number<std::uint32_t>(word);
+    if (!value) refuse("--frames", text, kWanted);
+    return *value;
+  };
+  const std::string_view all = text;
+  const std::size_t dash = all.find('-');
+  FrameRange range{whole(all.substr(0, dash)), {}};
+  if (dash == std::string_view::npos) {
+    range.last = range.first;
+  } else if (dash + 1 < all.size()) {
+    range.last = whole(all.substr(dash + 1));
+  }
+  if (range.last && *range.last < range.first) refuse("--frames", text, kWanted);
+  return range;
+}
+
+double parse_time(const std::string& option, const std::string& text) {
+  constexpr const char* kWanted = "seconds or [HH:]MM:SS, such as 75.5 or 1:15.5";
+  constexpr double kMostSeconds = 1e9;
+  std::string_view left = text;
+  double seconds = 0;
+  for (int parts = 1;; ++parts) {
+    const std::size_t colon = left.find(':');
+    const bool is_last = colon == std::string_view::npos;
+    std::optional<double> value = number<double>(left.substr(0, colon));
+    if (!is_last && !number<std::uint32_t>(left.substr(0, colon))) value.reset();
+    const bool fits = value && *value >= 0 && *value < (parts > 1 ? 60 : kMostSeconds);
+    if (!fits || (parts == 3 && !is_last)) refuse(option, text, kWanted);
+    seconds = 60 * seconds + *value;
+    if (is_last) return seconds;
+    left.remove_prefix(colon + 1);
+  }
 }
 
 }  // namespace knotreel::cli

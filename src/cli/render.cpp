@@ -105,7 +105,8 @@ void check_kind(const CLI::App& command, bool video) {
   if (video) return;
   for (const std::string& name : options_given(command, kVideoGroup)) {
     refuse(name + " is for videos and numbered pictures" +
-           (name == "--frames" ? "; use --frame for one picture" : ", not for one picture"));
+           (name == "--frames" || name == "--start" ? "; use --frame for one picture"
+                                                    : ", not for one picture"));
   }
 }
 

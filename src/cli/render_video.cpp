@@ -1,6 +1,9 @@
 #include "cli/render_video.h"
 
+#include <fmt/core.h>
+
 #include <algorithm>
+#include <cmath>
 #include <filesystem>
 #include <optional>
 
@@ -21,14 +24,35 @@
 namespace knotreel::cli {
 namespace {
 
+/// Times count from the first frame, as in videos.
+void choose_part(const video::Part& part, pipeline::RenderJob& job) {
+  constexpr double kSameTime = 1e-6;  // seconds
+  const document::Reader& reader = *job.reader;
+  job.first = part.first;
+  if (part.count > 0) job.last = part.first + part.count - 1;
+  const bool by_time = part.start > 0 || std::isfinite(part.end);
+  if (!by_time) return;
+  const double tick = pipeline::stream_info(reader.info()).time_base.value();
+  const auto first_from = [&](double seconds) {
+    std::size_t i = 0;
+    for (; i < reader.frame_count(); ++i) {
+      if (double(reader.record(i).pts - reader.record(0).pts) * tick >= seconds - kSameTime) break;
+    }
+    return i;
+  };
+  job.first = first_from(part.start);
+  const std::size_t end = first_from(part.end);
+  if (job.first == end) {
+    const std::string to = std::isfinite(part.end) ? fmt::format("to {} s", part.end) : "on";
+    throw Error(ErrorKind::kInvalidArgument, fmt::format("there is no frame from {} s {}", part.start, to));
+  }
+  job.last = end - 1;
+}
+
 pipeline::RenderJob make_job(const RenderVideo& arguments, document::Reader& reader) {
   pipeline::RenderJob job;
   job.reader = &reader;
-  if (!arguments.frames.empty()) {
-    const FrameRange range = parse_frames(arguments.frames);
-    job.first = range.first;
-    job.last = range.last;
-  }
+  choose_part(part_of(arguments.part), job);
   if (!arguments.fps.empty()) job.rate = parse_rate("--fps", arguments.fps);
   const document::SequenceInfo& info = reader.info();
   const Turn turn = turn_of(reader);
@@ -53,7 +77,7 @@ std::optional<video::VideoReader> open_copied(const RenderVideo& arguments) {
   if (arguments.copied.empty()) return {};
   video::ReadOptions options;
   options.threads = 1;
-  options.chapters = arguments.frames.empty();
+  options.chapters = arguments.part.whole();
   video::VideoReader reader = video::VideoReader::open(arguments.copied, options);
   const auto streams = reader.streams();
   const auto is_other = [](const video::StreamEntry& stream) { return stream.kind != "video"; };
@@ -94,8 +118,7 @@ void tell(const RenderVideo& arguments, const pipeline::Summary& summary) {
 
 void add_render_video_options(CLI::App& command, RenderVideo& options) {
   command.option_defaults()->group(kVideoGroup);
-  command.add_option("--frames", options.frames, "Only these frames, counted from 0; A- is up to the end")
-      ->type_name("A-B");
+  add_part_options(command, options.part, "Only these frames, counted from 0; A- is up to the end");
   command
       .add_option("--fps", options.fps,
                   "Frames per second, such as 25 or 30000/1001: frames in between are made\n"
@@ -105,7 +128,7 @@ void add_render_video_options(CLI::App& command, RenderVideo& options) {
   command
       .add_option("--copy-streams", options.copied,
                   "Take sound, subtitles and titles from this file, the video that the\n"
-                  "document was made from; of --frames, their part")
+                  "document was made from; of a part, that time")
       ->type_name("FILE");
   add_video_output_options(command, options.encoding);
   add_progress_option(command, options.progress);
@@ -157,7 +180,7 @@ void render_video(const RenderVideo& arguments) {
   VideoStats stats(arguments.stats, head_json(arguments, job));
   pipeline::Summary summary;
   {
-    VideoLine line(reader.frame_count());
+    VideoLine line(pipeline::frame_count(job));
     job.on_frame = [&](const pipeline::FrameRow& row) {
       line.show(row);
       progress.show(row);

@@ -21,7 +21,7 @@ struct RenderVideo {
   bool aliased = false;
   int threads = 0;
   // The rest has options of its own.
-  std::string frames;  ///< "A-B", "A-" or "A"; empty: all
+  PartOptions part;
   std::string fps;     ///< empty: times as stored
   std::string copied;  ///< video whose other streams go along; empty: none
   std::string progress;

@@ -1,26 +1,9 @@
 #include "cli/video_options.h"
 
-#include <charconv>
-#include <cmath>
-
 #include "cli/command.h"
-#include "knotreel/base/error.h"
+#include "cli/parse.h"
 
 namespace knotreel::cli {
-namespace {
-
-[[noreturn]] void refuse(const std::string& option, const std::string& text, const std::string& wanted) {
-  throw Error(ErrorKind::kInvalidArgument, option + " takes " + wanted + ", not '" + text + "'");
-}
-
-template <typename Number>
-bool parse(std::string_view text, Number& value) {
-  const auto [end, status] = std::from_chars(text.data(), text.data() + text.size(), value);
-  return status == std::errc() && end == text.data() + text.size();
-}
-
-}  // namespace
-
 void add_video_input_options(CLI::App& command, VideoInputOptions& options) {
   command.add_option("--input-format", options.format, "Format of the video, if its content does not say it")
       ->type_name("NAME");
@@ -32,20 +15,8 @@ void add_video_input_options(CLI::App& command, VideoInputOptions& options) {
   command.add_option("--image-rate", options.image_rate, "Frames per second of a folder of pictures")
       ->type_name("R")
       ->capture_default_str();
-  CLI::Option* frames =
-      command
-          .add_option("--frames", options.frames,
-                      "Only these frames of the video, counted from 0, and their sound; A- is up\nto the end")
-          ->type_name("A-B");
-  command
-      .add_option(
-          "--start", options.start,
-          "Only frames from this time on, counted from the first frame, in seconds\nor as [HH:]MM:SS.S")
-      ->type_name("TIME")
-      ->excludes(frames);
-  command.add_option("--end", options.end, "Only frames before this time")
-      ->type_name("TIME")
-      ->excludes(frames);
+  add_part_options(command, options.part,
+                   "Only these frames of the video, counted from 0, and their sound; A- is up\nto the end");
   command.add_flag("--strict", options.strict,
                    "Damage in a video is an error; without, what can be\n"
                    "decoded is used, and a warning tells of the rest");
@@ -106,64 +77,6 @@ void add_tracking_options(CLI::App& command, track::TrackOptions& options) {
       ->capture_default_str();
 }
 
-video::Rational parse_rate(const std::string& option, const std::string& text) {
-  const std::size_t slash = text.find('/');
-  video::Rational rate;
-  double value = 0;
-  if (slash != std::string::npos) {
-    const std::string_view all = text;
-    if (!parse(all.substr(0, slash), rate.num) || !parse(all.substr(slash + 1), rate.den)) rate = {};
-  } else if (parse(std::string_view(text), value) && value <= 100000) {
-    const bool whole = value == std::floor(value);
-    rate =
-        whole ? video::Rational{std::int64_t(value), 1} : video::Rational{std::llround(value * 1000), 1000};
-  }
-  if (!rate.known() || rate.num > 0x7fffffff || rate.den > 0x7fffffff) {
-    refuse(option, text, "frames per second such as 25 or 30000/1001");
-  }
-  return rate;
-}
-
-FrameRange parse_frames(const std::string& text) {
-  constexpr const char* kWanted = "A-B, A- or A, with whole numbers, B not below A";
-  const auto number = [&](std::string_view word) {
-    std::uint32_t value = 0;
-    if (!parse(word, value)) refuse("--frames", text, kWanted);
-    return value;
-  };
-  const std::string_view all = text;
-  const std::size_t dash = all.find('-');
-  FrameRange range{number(all.substr(0, dash)), {}};
-  if (dash == std::string_view::npos) {
-    range.last = range.first;
-  } else if (dash + 1 < all.size()) {
-    range.last = number(all.substr(dash + 1));
-  }
-  if (range.last && *range.last < range.first) refuse("--frames", text, kWanted);
-  return range;
-}
-
-double parse_time(const std::string& option, const std::string& text) {
-  constexpr const char* kWanted = "seconds or [HH:]MM:SS, such as 75.5 or 1:15.5";
-  std::string_view left = text;
-  double seconds = 0;
-  for (int parts = 1;; ++parts) {
-    const std::size_t colon = left.find(':');
-    double value = 0;
-    if (colon != std::string_view::npos) {
-      std::uint32_t whole = 0;
-      if (parts == 3 || !parse(left.substr(0, colon), whole)) refuse(option, text, kWanted);
-      value = whole;
-    } else if (!parse(left, value) || !(value >= 0 && value <= 1e9)) {
-      refuse(option, text, kWanted);
-    }
-    if (parts > 1 && value >= 60) refuse(option, text, kWanted);
-    seconds = 60 * seconds + value;
-    if (colon == std::string_view::npos) return seconds;
-    left.remove_prefix(colon + 1);
-  }
-}
-
 video::ReadOptions read_options(const VideoInputOptions& given, int threads) {
   video::ReadOptions options;
   options.threads = threads;
@@ -171,14 +84,7 @@ video::ReadOptions read_options(const VideoInputOptions& given, int threads) {
   options.copy_streams = !given.no_copy_streams;
   options.format = given.format;
   options.image_rate = parse_rate("--image-rate", given.image_rate);
-  if (!given.frames.empty()) {
-    const FrameRange range = parse_frames(given.frames);
-    options.part.first = range.first;
-    if (range.last) options.part.count = *range.last - range.first + 1;
-  }
-  if (!given.start.empty()) options.part.start = parse_time("--start", given.start);
-  if (!given.end.empty()) options.part.end = parse_time("--end", given.end);
-  if (options.part.end <= options.part.start) refuse("--end", given.end, "a time behind the start");
+  options.part = part_of(given.part);
   for (const std::string& pair : given.demuxer) {
     const std::size_t sign = pair.find('=');
     if (sign == std::string::npos || sign == 0) refuse("--input-option", pair, "KEY=VALUE");

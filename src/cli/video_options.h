@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "cli/part_options.h"
 #include "knotreel/track/tracker.h"
 #include "knotreel/video/reader.h"
 #include "knotreel/video/writer.h"
@@ -21,9 +22,7 @@ struct VideoInputOptions {
   std::string format;
   std::vector<std::string> demuxer;  ///< "key=value"
   std::string image_rate = "25";
-  std::string frames;  ///< as parse_frames() takes them; empty: all
-  std::string start;   ///< as parse_time() takes it; empty: the first frame
-  std::string end;     ///< likewise; empty: up to the end
+  PartOptions part;
   bool strict = false;
   bool no_copy_streams = false;
 };
@@ -47,20 +46,6 @@ video::ReadOptions read_options(const VideoInputOptions& given, int threads);
 
 /// @param container as video::WriteOptions.
 video::WriteOptions write_options(const VideoOutputOptions& given, const std::string& container, int threads);
-
-/// "25", "23.976" or "30000/1001", above 0. @throws Error{kInvalidArgument} with the option's name.
-video::Rational parse_rate(const std::string& option, const std::string& text);
-
-/// Frames counted from 0, both ends included.
-struct FrameRange {
-  std::uint64_t first = 0;
-  std::optional<std::uint64_t> last;  ///< none: up to the end
-};
-/// "3-7", "3-" or "3". @throws Error{kInvalidArgument} for anything else.
-FrameRange parse_frames(const std::string& text);
-
-/// Seconds, as "75.5", "1:15.5" or "0:01:15.5". @throws Error{kInvalidArgument} with the option's name.
-double parse_time(const std::string& option, const std::string& text);
 
 /// As docs/stats.md tells.
 nlohmann::ordered_json tracking_json(const track::TrackOptions& options);

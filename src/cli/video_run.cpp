@@ -63,7 +63,7 @@ void warn_all(const std::vector<std::string>& lines) {
 }  // namespace
 
 std::vector<std::string> missing_frames(const VideoRun& run, const pipeline::Summary& summary) {
-  const std::string& wanted = run.reading.frames;
+  const std::string& wanted = run.reading.part.frames;
   if (wanted.empty() || summary.stopped) return {};
   const FrameRange range = parse_frames(wanted);
   if (!range.last || summary.frames > *range.last - range.first) return {};

@@ -103,6 +103,10 @@ class RenderStages {
 
 }  // namespace
 
+std::uint64_t frame_count(const RenderJob& job) {
+  return Schedule(job).count();
+}
+
 Summary run_render(const RenderJob& job) {
   RenderStages stages(job);
   HappensBefore decoded;

@@ -31,6 +31,8 @@ class Schedule {
   std::int64_t begin() const;  ///< of the first frame
   std::int64_t end() const;    ///< of the last one
 
+  std::uint64_t count() const { return static_cast<std::uint64_t>(count_); }  ///< of all frames
+
   /// The next frame; none after the last one.
   std::optional<Showing> next();
 

@@ -129,6 +129,18 @@ bool Demuxer::lacks_its_end() const {
   return input_ != "-" && knotreel::video::lacks_its_end(input_, format_->iformat->name);
 }
 
+/// Of other formats, some know only when packets are decoded, and some have clocks that jump.
+bool Demuxer::has_index() const {
+  const std::string_view name = format_->iformat->name;
+  const bool knows =
+      name.find("mp4") != std::string_view::npos || name.find("matroska") != std::string_view::npos;
+  return knows && format_->pb != nullptr && (format_->pb->seekable & AVIO_SEEKABLE_NORMAL) != 0;
+}
+
+bool Demuxer::seek(std::int64_t pts) {
+  return has_index() && av_seek_frame(format_.get(), video_, pts, AVSEEK_FLAG_BACKWARD) >= 0;
+}
+
 PacketPtr Demuxer::read(std::string& why) {
   PacketPtr packet = new_packet();
   for (;;) {

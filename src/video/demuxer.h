@@ -27,6 +27,10 @@ class Demuxer {
   /// @param why  set to what ended the file early; empty otherwise.
   PacketPtr read(std::string& why);
 
+  /// Goes on with the last packet before a time from which the video can be decoded, if the file has an index
+  /// of when frames are shown. @param pts ticks of the video stream. @return whether it did.
+  bool seek(std::int64_t pts);
+
   /// Whether the file is shorter than it tells, which read() does not find.
   bool lacks_its_end() const;
 
@@ -41,6 +45,7 @@ class Demuxer {
   void choose_video();
   void discard_others();
   bool ends_in_a_frame() const;
+  bool has_index() const;
 
   std::string input_, cannot_read_;
   std::unique_ptr<AVFormatContext, Closer> format_;

@@ -76,15 +76,17 @@ class PartSource : public Source {
 
   /// What belongs to the frames before the part goes; so does what is held, lest it grow.
   void pass_over() {
-    double next = 0;  // of the frame that is not read yet, seconds from the first one on
-    for (; passed_over_ < part_.first || next < part_.start - kSameTime; ++passed_over_) {
+    while (passed_over_ < part_.first || length_before_ < part_.start - kSameTime) {
       check_while_working();
       Frame frame;
       if (!whole_->skip(frame)) return;
-      if (!zero_) zero_ = seconds_of(frame.pts);
+      const bool is_first = !zero_;
+      if (is_first) zero_ = seconds_of(frame.pts);
       begin_ = seconds_of(frame.pts + frame.duration);
-      next = begin_ - *zero_;
+      length_before_ = begin_ - *zero_;
       hold(std::move(frame.packets));
+      ++passed_over_;
+      if (is_first && part_.first == 0 && whole_->seek(*zero_ + part_.start)) has_sought_ = true;
     }
   }
 
@@ -97,10 +99,11 @@ class PartSource : public Source {
     std::string what = "there is no frame ";
     if (ended_) {
       what += "from " + seconds(part_.start) + " to " + seconds(part_.end);
+    } else if (part_.start > 0) {
+      what += "from " + seconds(part_.start) + " on: the video ends after " + seconds(length_before_);
     } else {
-      what += part_.start > 0 ? "from " + seconds(part_.start) + " on" : std::to_string(part_.first);
-      what += ": the video has " + std::to_string(passed_over_);
-      if (part_.start == 0) what += ", the first of which is 0";
+      what += std::to_string(part_.first) + ": the video has " + std::to_string(passed_over_) +
+              ", the first of which is 0";
     }
     throw Error(ErrorKind::kInvalidArgument, what);
   }
@@ -108,6 +111,7 @@ class PartSource : public Source {
   void describe() {
     const bool is_known = info_.frames > 0 && info_.seconds > 0;
     const double rate = is_known ? static_cast<double>(info_.frames) / info_.seconds : 0;
+    if (has_sought_) passed_over_ = static_cast<std::uint64_t>(std::round(length_before_ * rate));
     info_.frames -= std::min(info_.frames, passed_over_);
     std::uint64_t most = part_.count;
     if (part_.end < kForever && rate > 0) {
@@ -145,6 +149,8 @@ class PartSource : public Source {
   bool ended_ = false;          ///< the frame behind the part has been met
   std::optional<double> zero_;  ///< time of the first frame of the whole, seconds on the clock of the file
   std::uint64_t passed_over_ = 0;
+  double length_before_ = 0;  ///< of the frames before the part, seconds
+  bool has_sought_ = false;   ///< so not all of them have been counted
   std::uint64_t handed_out_ = 0;
   std::optional<Frame> ahead_;
   double begin_ = -kForever;  ///< of the packets that are handed out, seconds on the clock of the file

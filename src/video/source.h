@@ -16,6 +16,9 @@ class Source {
   virtual bool next(Frame& frame) = 0;
   /// The same, but the picture of the frame is not wanted.
   virtual bool skip(Frame& frame) { return next(frame); }
+  /// Leaves out frames, and packets, that are well before a time and not handed out yet, if that is quicker
+  /// than to skip() them. @param seconds on the clock of the file. @return whether some were left out.
+  virtual bool seek(double /*seconds*/) { return false; }
   virtual std::vector<Packet> take_packets() { return {}; }
   virtual std::vector<Packet> packets_until(double) { return {}; }
   /// For copying streams; null if there are none.

@@ -246,10 +246,14 @@ void StreamSource::look_ahead() {
     check_end();
     return;
   }
-  if (ahead_->width != info_.width || ahead_->height != info_.height) {
+  look_at(*ahead_);
+}
+
+void StreamSource::look_at(AVFrame& frame) {
+  if (frame.width != info_.width || frame.height != info_.height) {
     warnings_.count("frames are of another size than the first, and scaled to it");
   }
-  stamp(*ahead_);
+  stamp(frame);
 }
 
 /// Fills in all but the picture, which is in what is returned; null at the end.
@@ -273,6 +277,37 @@ bool StreamSource::next(Frame& frame) {
 
 bool StreamSource::skip(Frame& frame) {
   return advance(frame) != nullptr;
+}
+
+/// Goes on with the last frame before a time that can be decoded at once. @return whether there is one.
+bool StreamSource::decode_from(std::int64_t pts) {
+  if (!demuxer_.seek(pts)) return false;
+  avcodec_flush_buffers(decoder_.get());
+  complaints_ = 0;
+  drained_ = false;
+  packets_.clear();
+  last_pts_ = AV_NOPTS_VALUE;
+  last_duration_ = 0;
+  ahead_ = decode();
+  if (ahead_) look_at(*ahead_);
+  return ahead_ != nullptr;
+}
+
+/// A few seconds earlier: sound may lie a little away from the frames it belongs to, and the first frames
+/// behind the packet that is found may need some before it.
+bool StreamSource::seek(double seconds) {
+  constexpr double kEarlier = 3;
+  if (!ahead_ || !info_.timestamps) return false;
+  const double target = (seconds - kEarlier) / info_.time_base.value();
+  const std::int64_t here = ahead_->pts;
+  if (!(target > double(here)) || target > double(kMaxTicks)) return false;
+  if (decode_from(std::int64_t(target)) && double(ahead_->pts) <= target) return true;
+  if (ahead_ && ahead_->pts == here) return false;
+  // The index is wrong. Back to where this began.
+  bool is_back = decode_from(here);
+  while (is_back && ahead_ && ahead_->pts < here) look_ahead();
+  if (!is_back || !ahead_) throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "its index is damaged");
+  return false;
 }
 
 std::unique_ptr<Source> open_stream(const std::string& input, const ReadOptions& options) {

@@ -18,6 +18,7 @@ class StreamSource : public Source {
 
   bool next(Frame& frame) override;
   bool skip(Frame& frame) override;
+  bool seek(double seconds) override;
   std::vector<Packet> take_packets() override { return std::exchange(packets_, {}); }
   std::vector<Packet> packets_until(double seconds) override;
   AVFormatContext* format() const override { return demuxer_.format(); }
@@ -39,6 +40,8 @@ class StreamSource : public Source {
   std::int64_t duration_of(const AVFrame& frame) const;
   std::int64_t last_duration(const AVFrame& frame) const;
   void look_ahead();
+  void look_at(AVFrame& frame);
+  bool decode_from(std::int64_t pts);
   FramePtr advance(Frame& frame);
   std::string what_is_missing() const;
   void check_end();

@@ -27,6 +27,13 @@ class CliVideo : public testing::Test {
 
   std::string path(const std::string& name) const { return (dir_ / name).string(); }
 
+  /// Of a frame, as --start takes it.
+  std::string time(std::size_t frame) const {
+    std::ostringstream text;
+    text << double(times_[frame] - times_[0]) / 1000;
+    return text.str();
+  }
+
   void vectorize() { expect_success(knotreel({"vectorize", clip_, "-o", document_, "--preset", "fast"})); }
 
   test::TempDir dir_;
@@ -131,11 +138,6 @@ TEST_F(CliVideo, APartOfAVideoCanBeToldByTimes) {
     return read_text(path(name));
   };
   const std::string expected = made("by_number.tcb", {"--frames", "2-4"});
-  const auto time = [&](std::size_t frame) {
-    std::ostringstream text;
-    text << double(times_[frame] - times_[0]) / 1000;
-    return text.str();
-  };
   EXPECT_TRUE(made("by_time.tcb", {"--start", time(2), "--end", time(5)}) == expected);
   EXPECT_TRUE(made("by_minutes.tcb", {"--start", "0:00:" + time(2), "--end", "0:" + time(5)}) == expected);
   for (const char* wrong : {"1:60", "1:2:3:4", ":1", "1:", "-1", "a", "", "1.5:0", "1e99"}) {
@@ -147,6 +149,20 @@ TEST_F(CliVideo, APartOfAVideoCanBeToldByTimes) {
   expect_failure(knotreel({"vectorize", clip_, "-o", path("x.tcb"), "--start", "0", "--frames", "1-2"}), 2);
 }
 
+TEST_F(CliVideo, RenderTakesPartsByTheirTimes) {
+  vectorize();
+  const auto drawn = [&](std::vector<std::string> part) {
+    part.insert(part.begin(), {"render", document_, "-o", "-", "-f", "hash"});
+    const auto result = knotreel(part);
+    expect_success(result);
+    return result.out;
+  };
+  EXPECT_EQ(drawn({"--start", time(2), "--end", time(5)}), drawn({"--frames", "2-4"}));
+  EXPECT_EQ(drawn({"--start", time(4)}), drawn({"--frames", "4-"}));
+  EXPECT_EQ(drawn({"--end", time(1)}), drawn({"--frames", "0"}));
+  EXPECT_NE(drawn({"--end", time(1)}), drawn({}));
+}
+
 TEST_F(CliVideo, RenderMakesPicturesOfARange) {
   vectorize();
   expect_success(knotreel({"render", document_, "-o", path("f_%02d.png"), "--frames", "2-4"}));
@@ -154,6 +170,8 @@ TEST_F(CliVideo, RenderMakesPicturesOfARange) {
   EXPECT_FALSE(std::filesystem::exists(path("f_04.png")));
   EXPECT_TRUE(read_text(path("f_02.png")) == read_text(path("third.png")));
   expect_failure(knotreel({"render", document_, "-o", path("x.mkv"), "--frames", "4-6"}), 2);
+  expect_failure(knotreel({"render", document_, "-o", path("x.mkv"), "--start", "100"}), 2);
+  expect_failure(knotreel({"render", document_, "-o", path("x.mkv"), "--start", "0", "--frames", "1"}), 2);
   // What would be without effect is refused, rather than another frame drawn.
   expect_failure(knotreel({"render", document_, "-o", path("x.png"), "--frames", "3"}), 2);
   expect_failure(knotreel({"render", document_, "-o", path("x.png"), "--fps", "50"}), 2);

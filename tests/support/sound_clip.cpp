@@ -79,9 +79,9 @@ void fill(AVFrame& frame) {
   }
 }
 
-void send_sound(AVFormatContext& output, Track& track) {
+void send_sound(AVFormatContext& output, Track& track, int seconds) {
   const int size = track.encoder->frame_size > 0 ? track.encoder->frame_size : 1024;
-  for (int at = 0; at + size <= 44100; at += size) {
+  for (int at = 0; at + size <= 44100 * seconds; at += size) {
     const FramePtr frame = new_frame();
     frame->format = track.encoder->sample_fmt;
     frame->nb_samples = size;
@@ -95,8 +95,8 @@ void send_sound(AVFormatContext& output, Track& track) {
   send(output, track, nullptr);
 }
 
-void send_video(AVFormatContext& output, Track& track) {
-  for (int i = 0; i < 25; ++i) {
+void send_video(AVFormatContext& output, Track& track, int seconds) {
+  for (int i = 0; i < 25 * seconds; ++i) {
     const FramePtr frame = new_frame();
     frame->format = AV_PIX_FMT_YUV420P;
     frame->width = 64;
@@ -104,7 +104,7 @@ void send_video(AVFormatContext& output, Track& track) {
     frame->pts = i;
     checked(av_frame_get_buffer(frame.get(), 0));
     for (const AVBufferRef* buffer : frame->buf) {
-      if (buffer != nullptr) std::memset(buffer->data, 100 + i, buffer->size);
+      if (buffer != nullptr) std::memset(buffer->data, 100 + i % 100, buffer->size);
     }
     send(output, track, frame.get());
   }
@@ -113,7 +113,7 @@ void send_video(AVFormatContext& output, Track& track) {
 
 }  // namespace
 
-void write_sound_clip(const std::string& path, const std::string& codec, bool video) {
+void write_sound_clip(const std::string& path, const std::string& codec, bool video, int seconds) {
   silence_libav();
   AVFormatContext* output = nullptr;
   checked(avformat_alloc_output_context2(&output, nullptr, nullptr, path.c_str()));
@@ -122,8 +122,8 @@ void write_sound_clip(const std::string& path, const std::string& codec, bool vi
   if (video) picture = add_video(*output);
   checked(avio_open(&output->pb, path.c_str(), AVIO_FLAG_WRITE));
   checked(avformat_write_header(output, nullptr));
-  send_sound(*output, sound);
-  if (video) send_video(*output, picture);
+  send_sound(*output, sound, seconds);
+  if (video) send_video(*output, picture, seconds);
   checked(av_write_trailer(output));
   avio_closep(&output->pb);
   avformat_free_context(output);

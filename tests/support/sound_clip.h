@@ -4,9 +4,9 @@
 
 namespace knotreel::video {
 
-/// Writes a second of a tone, and beside it 25 frames of video if wanted, with libav alone: the module under
+/// Writes a tone, and beside it 25 frames of video per second if wanted, with libav alone: the module under
 /// test has no part in it.
 /// @param codec  of the sound: "aac", whose first packet has a time before zero, or "pcm_s16le".
-void write_sound_clip(const std::string& path, const std::string& codec, bool video);
+void write_sound_clip(const std::string& path, const std::string& codec, bool video, int seconds = 1);
 
 }  // namespace knotreel::video

@@ -1,6 +1,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <fstream>
 
 #include "clips.h"
 #include "support/sound_clip.h"
@@ -117,6 +119,53 @@ TEST(Parts, AreFoundByTheirTimes) {
       EXPECT_EQ(kind_of([&] { VideoReader::open(dir / name, none); }), ErrorKind::kInvalidArgument);
     }
   }
+}
+
+/// Frames before a time are found by the index of the file, and are the same as if all had been decoded.
+TEST(Parts, OfLongFilesAreFoundByTheirIndex) {
+  const TempDir dir;
+  for (const char* name : {"a.mp4", "a.mkv"}) {
+    SCOPED_TRACE(name);
+    write_sound_clip(dir / name, "aac", true, 12);
+    const WholeClip whole = read_clip(dir / name);
+    ASSERT_EQ(whole.frames.size(), 300u);
+    expect_part(read_clip(dir / name, between(7.52, 8)), whole, 188, 12);
+    expect_part(read_clip(dir / name, between(11, 0)), whole, 275, 25);
+    EXPECT_NEAR(double(VideoReader::open(dir / name, between(10, 0)).info().frames), 50, 1);  // an estimate
+    EXPECT_EQ(kind_of([&] { VideoReader::open(dir / name, between(12.01, 0)); }),
+              ErrorKind::kInvalidArgument);
+  }
+}
+
+/// H.264 has frames that are shown later than they are decoded, and most of them need others.
+TEST(Parts, BeginBetweenKeyframes) {
+  const TempDir dir;
+  for (const char* name : {"a.mp4", "a.mkv"}) {
+    SCOPED_TRACE(name);
+    write_clip(dir / name, moving_pattern(64, 48, 3, 620), with_codec("h264"));
+    const WholeClip whole = read_clip(dir / name);
+    for (const std::size_t first : {std::size_t{74}, std::size_t{260}, std::size_t{420}, std::size_t{619}}) {
+      SCOPED_TRACE(first);
+      const double start = seconds(whole)[first] - seconds(whole)[0];
+      expect_part(read_clip(dir / name, between(start, start + 0.2)), whole, first,
+                  std::min<std::size_t>(5, whole.frames.size() - first));
+    }
+  }
+}
+
+TEST(Parts, DoNotMeetDamageLongBeforeThem) {
+  const TempDir dir;
+  const std::string path = dir / "a.mkv";
+  write_clip(path, moving_pattern(64, 48, 3, 200), with_codec("ffv1"));
+  const WholeClip whole = read_clip(path);
+  std::fstream file(path, std::ios::in | std::ios::out | std::ios::binary);
+  file.seekp(static_cast<std::streamoff>(std::filesystem::file_size(path) / 20));
+  file << "damage";
+  file.close();
+  EXPECT_GT(read_clip(path).damaged, 0u);
+  const WholeClip part = read_clip(path, between(6, 0));
+  EXPECT_EQ(part.damaged, 0u);
+  expect_part(part, whole, 150, 50);
 }
 
 TEST(Parts, BehindTheEndAreAnError) {

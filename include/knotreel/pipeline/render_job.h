@@ -25,6 +25,9 @@ struct RenderJob {
   FrameObserver on_frame;  ///< figures that only the making of a model knows are 0
 };
 
+/// How many frames run_render() draws. @throws as that.
+std::uint64_t frame_count(const RenderJob& job);
+
 /// Draws and encodes all frames, many at once. Frames keep the times of the document.
 /// @throws Error{kInvalidArgument} if there are no such frames, and as run_graph().
 Summary run_render(const RenderJob& job);
