@@ -1,0 +1,78 @@
+#include "vectorize/draft.h"
+
+#include <cmath>
+#include <numeric>
+
+namespace knotreel::vectorize {
+
+document::FrameModel Draft::model(int channels) const {
+  document::FrameModel model;
+  model.space = surface.space;
+  model.displacement = displacement;
+  model.channels = channels;
+  model.colour = surface.fit.control;
+  model.edge_softness = edge_softness;
+  return model;
+}
+
+void fit_all_pixels(const spline::Basis& basis, const Samples& samples, const fit::ColourFitOptions& options,
+                    Draft& draft) {
+  fit::ColourFitOptions from_last = options;
+  from_last.start = draft.surface.fit.control;
+  draft.surface.fit = fit::fit_colours(basis, samples.all(), from_last);
+  draft.fits_all_pixels = true;
+}
+
+void fit_geometry(const spline::PixelValues& values, const Samples& samples,
+                  const fit::GeometryFitOptions& options, Draft& draft) {
+  if (!samples.has_features()) return;
+  draft.displacement = fit::fit_geometry(values, samples.places(), samples.curves(), options);
+  measure_curves(values.basis(), samples, draft);
+}
+
+void measure_curves(const spline::Basis& basis, const Samples& samples, Draft& draft) {
+  draft.curve_errors = fit::geometry_errors(basis, draft.displacement, samples.curves());
+  const double sum = std::accumulate(draft.curve_errors.begin(), draft.curve_errors.end(), 0.0);
+  draft.meg = draft.curve_errors.empty() ? 0 : sum / static_cast<double>(draft.curve_errors.size());
+}
+
+void measure_colours(const Samples& samples, const Draft& draft, RoundReport& report) {
+  const auto channels = static_cast<std::size_t>(samples.picture().channels);
+  const std::span<const float> weights =
+      draft.fits_all_pixels ? samples.weights() : samples.steering().weights;
+  const std::vector<float>& residual = draft.surface.fit.residual;
+  double length = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < residual.size() / channels; ++i) {
+    if (!weights.empty() && weights[i] < 1) continue;
+    double squared = 0;
+    for (std::size_t c = 0; c < channels; ++c) {
+      const double d = static_cast<double>(residual[i * channels + c]);
+      squared += d * d;
+    }
+    length += std::sqrt(squared);
+    ++count;
+  }
+  if (count == 0) return;
+  const auto sum = static_cast<double>(count * channels);
+  report.mec = length / static_cast<double>(count);
+  report.psnr = 10 * std::log10(255.0 * 255.0 * sum / draft.surface.fit.squared_error);
+}
+
+std::vector<float> squared_errors(const Samples& samples, const Draft& draft) {
+  const image::Image& picture = samples.picture();
+  const auto channels = static_cast<std::size_t>(picture.channels);
+  const auto width = static_cast<std::size_t>(picture.width);
+  const std::size_t rows_per_row = draft.fits_all_pixels || !samples.steers_by_half_rows() ? 1 : 2;
+  std::vector<float> squared(picture.pixel_count(), 0);
+  for (std::size_t i = 0; i < squared.size(); ++i) {
+    const std::size_t from = i / width / rows_per_row * width + i % width;
+    for (std::size_t c = 0; c < channels; ++c) {
+      const float d = draft.surface.fit.residual[from * channels + c];
+      squared[i] += d * d;
+    }
+  }
+  return squared;
+}
+
+}  // namespace knotreel::vectorize

@@ -1,0 +1,76 @@
+#include "vectorize/finish.h"
+
+#include <algorithm>
+#include <functional>
+#include <memory>
+#include <utility>
+
+#include "knotreel/document/stored_mesh.h"
+#include "knotreel/fit/pixel_places.h"
+#include "knotreel/raster/edge_softness.h"
+
+namespace knotreel::vectorize {
+
+namespace {
+
+using BasisPointer = std::shared_ptr<const spline::Basis>;
+
+/// Goes over to the space as documents have it.
+void store_space(int knot_bits, std::size_t channels, fit::ColourSurface& surface) {
+  const document::StoredSpace stored = document::stored_space(surface.space, knot_bits);
+  std::vector<double> control;
+  control.reserve(stored.function_of.size() * channels);
+  for (const spline::FunctionIndex f : stored.function_of) {
+    for (std::size_t c = 0; c < channels; ++c) control.push_back(surface.fit.control[f * channels + c]);
+  }
+  surface.space = stored.space;
+  surface.fit.control = std::move(control);
+}
+
+/// The last geometry, and the samples where it puts them. @return the pixels that features cross.
+std::vector<std::uint8_t> finish_geometry(const spline::Basis& basis, const Options& options,
+                                          Samples& samples, RunLog& log, Draft& draft) {
+  const int width = samples.picture().width, height = samples.picture().height;
+  const spline::PixelValues values(basis, width, height, samples.places());
+  log.lap("basis");
+  fit_geometry(values, samples, options.geometry, draft);
+  log.lap("geometry");
+  document::round_displacement(draft.displacement, options.displacement_step);
+  log.report.geometry_folds = fit::unfold_geometry(basis, draft.displacement);
+  document::round_displacement(draft.displacement, options.displacement_step);
+  measure_curves(basis, samples, draft);
+  log.lap("unfold");
+  std::vector<std::uint8_t> crossed = fit::crossed_pixels(basis, draft.displacement, width, height);
+  samples.move(fit::pixel_places(basis, draft.displacement, width, height), crossed,
+               draft.surface.space->mesh());
+  log.lap("invert");
+  return crossed;
+}
+
+double fitting_edge_softness(const BasisPointer& basis, const Samples& samples, const Draft& draft) {
+  auto surface = std::make_shared<spline::PixelSurface>();
+  surface->basis = basis;
+  surface->colours.resize(samples.colours().samples.size());
+  std::transform(samples.colours().samples.begin(), samples.colours().samples.end(),
+                 draft.surface.fit.residual.begin(), surface->colours.begin(), std::minus());
+  return raster::fitting_edge_softness(draft.model(samples.picture().channels), samples.picture(), basis,
+                                       std::move(surface));
+}
+
+}  // namespace
+
+Fitted finish(const Options& options, Samples& samples, RunLog& log, Draft& draft) {
+  store_space(options.knot_bits, static_cast<std::size_t>(samples.picture().channels), draft.surface);
+  auto basis = std::make_shared<const spline::Basis>(draft.surface.space);
+  std::vector<std::uint8_t> crossed;
+  if (samples.has_features()) crossed = finish_geometry(*basis, options, samples, log, draft);
+  fit_all_pixels(*basis, samples, options.colour, draft);
+  log.lap("colours");
+  if (samples.has_features()) {
+    draft.edge_softness = fitting_edge_softness(basis, samples, draft);
+    log.lap("softness");
+  }
+  return {std::move(basis), samples.take_places(), std::move(crossed)};
+}
+
+}  // namespace knotreel::vectorize

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+
+#include "knotreel/features/chains.h"
+#include "knotreel/features/image_mesh.h"
+#include "knotreel/image/image.h"
+#include "knotreel/knots/target.h"
+#include "knotreel/mesh/knot_mesh.h"
+#include "knotreel/param/parametrization.h"
+#include "vectorize/run_log.h"
+
+namespace knotreel::vectorize {
+
+/// A picture with its features (paper sec. 5), and where they lie in the domain.
+struct MappedPicture {
+  features::FeatureChains detected;  ///< within their budget
+  features::FeatureChains faired;
+  image::Image corrected;          ///< without the mixed colours beside features; empty without features
+  features::ImageMesh image_mesh;  ///< empty without features
+  param::Parametrization parametrization;
+  mesh::KnotMesh knots;  ///< that features ask for
+
+  bool has_features() const { return !faired.chains.empty(); }
+};
+
+/// Finds the features of a picture, as many as their share of the control points allows, and straightens
+/// them.
+/// @param max_functions control points of the whole model.
+/// @param mapped        made; the log's progress points into it.
+void map_features(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
+                  MappedPicture& mapped);
+
+/// The picture over the domain, where knots are placed.
+knots::Target make_target(const image::Image& picture, const MappedPicture& mapped);
+
+}  // namespace knotreel::vectorize

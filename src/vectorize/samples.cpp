@@ -1,0 +1,84 @@
+#include "vectorize/samples.h"
+
+#include <algorithm>
+
+#include "knotreel/fit/edge_colours.h"
+
+namespace knotreel::vectorize {
+
+namespace {
+
+constexpr int kLeastRows = 16;  // of a picture whose rows are paired
+
+Vec2 parameter_of(const param::Parametrization& map, const param::CurveSample& s) {
+  const param::Polyline& line = map.polylines[s.polyline];
+  const Vec2 a = map.vertices[line.vertices[s.segment]].position;
+  const Vec2 b = map.vertices[line.vertices[(s.segment + 1) % line.vertices.size()]].position;
+  return a + s.t * (b - a);
+}
+
+/// The first segment of each polyline: initial_mesh() makes them in the order of the polylines.
+std::vector<std::uint32_t> first_segments(const std::vector<param::Polyline>& lines) {
+  std::vector<std::uint32_t> first;
+  std::uint32_t segments = 0;
+  for (const param::Polyline& line : lines) {
+    first.push_back(segments);
+    segments += static_cast<std::uint32_t>(line.vertices.size() - (line.closed ? 0 : 1));
+  }
+  return first;
+}
+
+}  // namespace
+
+Samples::Samples(const image::Image& picture, MappedPicture& mapped, bool half_rows)
+    : picture_(picture), mapped_(mapped) {
+  if (mapped.has_features()) {
+    place_pixels();
+    weigh(place_curves(), mapped.knots);
+  }
+  if (half_rows && picture.height % 2 == 0 && picture.height >= kLeastRows)
+    half_ = vectorize::half_rows(all());
+}
+
+/// Pixel centres in the domain.
+void Samples::place_pixels() {
+  const auto width = static_cast<std::size_t>(picture_.width);
+  places_.resize(picture_.pixel_count());
+  for (std::size_t i = 0; i < places_.size(); ++i) {
+    const Vec2 centre{static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5};
+    const Vec2 u = centre + (mapped_.parametrization.parameter[i] - mapped_.parametrization.position[i]);
+    places_[i] = {std::clamp(u.x, 0.0, double(picture_.width)),
+                  std::clamp(u.y, 0.0, double(picture_.height))};
+  }
+}
+
+/// @return 1 for pixels that features cross.
+std::vector<std::uint8_t> Samples::place_curves() {
+  const std::vector<std::uint32_t> segments = first_segments(mapped_.parametrization.polylines);
+  std::vector<std::uint8_t> crossed(picture_.pixel_count(), 0);
+  for (const param::CurveSample& s : mapped_.parametrization.curve_samples) {
+    curves_.push_back({parameter_of(mapped_.parametrization, s), s.position});
+    curve_segments_.push_back(segments[s.polyline] + s.segment);
+    const int x = std::clamp(static_cast<int>(s.position.x), 0, picture_.width - 1);
+    const int y = std::clamp(static_cast<int>(s.position.y), 0, picture_.height - 1);
+    crossed[std::size_t(y) * std::size_t(picture_.width) + std::size_t(x)] = 1;
+  }
+  return crossed;
+}
+
+/// Pixels that features cross count little, with the colour of their side.
+void Samples::weigh(const std::vector<std::uint8_t>& crossed, const mesh::KnotMesh& mesh) {
+  weights_.resize(places_.size());
+  const std::vector<std::uint8_t> given = fit::clear_edge_colours(mapped_.corrected, places_, crossed, mesh);
+  for (std::size_t i = 0; i < weights_.size(); ++i) {
+    weights_[i] = !crossed[i] ? 1.0F : given[i] ? fit::kEdgeWeight : 0.0F;
+  }
+}
+
+void Samples::move(std::vector<Vec2> places, const std::vector<std::uint8_t>& crossed,
+                   const mesh::KnotMesh& mesh) {
+  places_ = std::move(places);
+  weigh(crossed, mesh);
+}
+
+}  // namespace knotreel::vectorize
