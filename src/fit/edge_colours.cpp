@@ -5,6 +5,8 @@
 #include <cmath>
 #include <vector>
 
+#include "knotreel/base/parallel.h"
+
 namespace knotreel::fit {
 
 namespace {
@@ -66,8 +68,7 @@ std::vector<std::uint8_t> clear_edge_colours(image::Image& picture, std::span<co
   const auto width = static_cast<std::size_t>(picture.width);
   const auto channels = static_cast<std::size_t>(picture.channels);
   std::vector<std::uint8_t> given(crossed.size(), 0);
-  for (std::size_t i = 0; i < crossed.size(); ++i) {
-    if (!crossed[i]) continue;
+  const auto clear = [&](std::size_t i) {
     const int x = static_cast<int>(i % width);
     const int y = static_cast<int>(i / width);
     std::array<double, 4> sum{};
@@ -81,11 +82,17 @@ std::vector<std::uint8_t> clear_edge_colours(image::Image& picture, std::span<co
         ++count;
       }
     }
-    if (count == 0) continue;
+    if (count == 0) return;
     given[i] = 1;
     for (std::size_t c = 0; c < channels; ++c)
       picture.samples[i * channels + c] = static_cast<float>(sum[c] / count);
-  }
+  };
+  // What is read is not crossed, what is written is: rows do not depend on each other.
+  parallel_for(crossed.size() / width, [&](std::size_t row) {
+    for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
+      if (crossed[i]) clear(i);
+    }
+  });
   return given;
 }
 

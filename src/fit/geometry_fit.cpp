@@ -3,10 +3,12 @@
 #include <Eigen/CholmodSupport>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 
 #include "fit/normal_equations.h"
 #include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
 
 namespace knotreel::fit {
 
@@ -36,24 +38,28 @@ image::Image displacement_picture(std::span<const Vec2> places, int width, int h
 std::vector<std::uint8_t> active_functions(const PixelValues& values, std::span<const Vec2> places) {
   constexpr std::size_t kPixels = PixelValues::kTilePixels;
   const spline::SplineSpace& space = values.basis().space();
-  std::vector<std::uint8_t> group(space.geometry_count(), 0);
-  std::vector<double> at;
-  for (std::size_t t = 0; t < values.tile_count(); ++t) {
+  std::vector<std::uint8_t> group(space.geometry_count(), 0);  // only ever set
+  parallel_for(values.tile_count(), [&](std::size_t t) {
     std::array<std::uint8_t, kPixels> displaced{};
     bool any = false;
     values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
       displaced[place] = places[pixel] != centre(pixel, values.width());
       any = any || displaced[place];
     });
-    if (!any) continue;
+    if (!any) return;
+    thread_local std::vector<double> at;
     const auto functions = values.functions(t);
     at.resize(functions.size() * kPixels);
     values.evaluate(t, at.data());
     for (std::size_t f = 0; f < functions.size(); ++f) {
-      std::uint8_t& active = group[space.geometry_of()[functions[f]]];
-      for (std::size_t i = 0; i < kPixels && !active; ++i) active = displaced[i] && at[f * kPixels + i] != 0;
+      const std::atomic_ref active(group[space.geometry_of()[functions[f]]]);
+      bool reached = active.load(std::memory_order_relaxed) != 0;
+      for (std::size_t i = 0; i < kPixels && !reached; ++i) {
+        reached = displaced[i] && at[f * kPixels + i] != 0;
+        if (reached) active.store(1, std::memory_order_relaxed);
+      }
     }
-  }
+  });
   std::vector<std::uint8_t> active(space.function_count());
   for (std::size_t f = 0; f < active.size(); ++f) active[f] = group[space.geometry_of()[f]];
   return active;
@@ -164,15 +170,18 @@ std::vector<Vec2> fit_geometry(const spline::PixelValues& values, std::span<cons
 
 std::vector<double> geometry_errors(const spline::Basis& basis, std::span<const Vec2> displacement,
                                     std::span<const CurvePoint> curves) {
-  std::vector<spline::BasisValue> values;
-  std::vector<double> errors;
-  errors.reserve(curves.size());
-  for (const CurvePoint& p : curves) {
-    Vec2 at = p.parameter;
-    basis.evaluate(p.parameter, values);
-    for (const auto& v : values) at = at + v.value * displacement[basis.space().geometry_of()[v.function]];
-    errors.push_back(norm(at - p.position));
-  }
+  std::vector<double> errors(curves.size());
+  basis.index();
+  constexpr std::size_t kPoints = 64;
+  parallel_for((curves.size() + kPoints - 1) / kPoints, [&](std::size_t block) {
+    std::vector<spline::BasisValue> values;
+    for (std::size_t i = block * kPoints; i < std::min(curves.size(), (block + 1) * kPoints); ++i) {
+      Vec2 at = curves[i].parameter;
+      basis.evaluate(curves[i].parameter, values);
+      for (const auto& v : values) at = at + v.value * displacement[basis.space().geometry_of()[v.function]];
+      errors[i] = norm(at - curves[i].position);
+    }
+  });
   return errors;
 }
 

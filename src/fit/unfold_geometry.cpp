@@ -87,8 +87,9 @@ void add(std::vector<Slope>& slopes, std::size_t first, const Slope& more) {
 void append_slopes(const Basis& basis, const Sample& sample, std::vector<Slope>& slopes) {
   const std::size_t first = slopes.size();
   const spline::PieceSet& set = basis.pieces();
-  for (const spline::TermIndex::Entry& e : basis.index().at(sample.u)) {
-    if (!basis.index().near(e, sample.u)) continue;
+  const spline::TermIndex& index = basis.index();
+  for (const spline::TermIndex::Entry& e : index.at(sample.u)) {
+    if (!index.near(e, sample.u)) continue;
     const spline::Jet w = term_jet(set.terms[e.term], sample.u, sample.direction);
     if (w.value == 0 && w.dx == 0 && w.dy == 0) continue;
     const spline::Piece& piece = set.pieces[e.piece];

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
 #include "knotreel/raster/render.h"
 #include "raster/feature_trace.h"
 #include "raster/soften.h"
@@ -56,6 +57,14 @@ double opacity(const image::Image& picture, int x, int y, int channel) {
   return static_cast<double>(picture.at(x, y, picture.channels - 1)) / 255;
 }
 
+image::Image drawn(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis,
+                   std::shared_ptr<const spline::PixelSurface> known) {
+  const Renderer renderer(model, {}, std::move(basis), std::move(known));
+  image::Image image = image::make_image(renderer.width(), renderer.height(), renderer.channels());
+  renderer.rows(0, image.height, image.samples);
+  return image;
+}
+
 }  // namespace
 
 double fitting_edge_softness(document::FrameModel model, const image::Image& picture,
@@ -64,17 +73,18 @@ double fitting_edge_softness(document::FrameModel model, const image::Image& pic
   if (model.space->mesh().segments.empty()) return 0;
   model.edge_softness = 0;
   if (!basis) basis = std::make_shared<const spline::Basis>(model.space);
-  const FeatureTrace trace(Surface(model, basis), model.space->mesh());
-  const Renderer renderer(model, {}, std::move(basis), std::move(known));
-  if (renderer.width() != picture.width || renderer.height() != picture.height ||
-      renderer.channels() != picture.channels)
+  image::Image drawing;
+  std::vector<CrossedPixel> crossed;
+  parallel_invoke([&] { drawing = drawn(model, basis, std::move(known)); },
+                  [&] {
+                    const FeatureTrace trace(Surface(model, basis), model.space->mesh());
+                    crossed = trace.crossed_pixels(1, 1, 0, picture.height, 0, picture.width);
+                  });
+  if (drawing.width != picture.width || drawing.height != picture.height ||
+      drawing.channels != picture.channels)
     throw Error(ErrorKind::kInvalidArgument, "a picture of another size tells nothing about a model");
-  image::Image drawing{picture.width, picture.height, picture.channels, {}};
-  drawing.samples.resize(picture.samples.size());
-  renderer.rows(0, picture.height, drawing.samples);
 
   Products products;
-  const std::vector<CrossedPixel> crossed = trace.crossed_pixels(1, 1, 0, picture.height, 0, picture.width);
   for (const Place& place : next_to(crossed, {0, picture.height, 0, picture.width})) {
     for (int c = 0; c < picture.channels; ++c) {
       const auto [l, q] = filter_parts(drawing, place.x, place.y, c);

@@ -64,6 +64,8 @@ class Surface {
   Sample evaluate(Vec2 u) const;
 
  private:
+  Bounds add_piece(const document::FrameModel& model, const spline::Piece& piece);
+  void bound_cells(const spline::Piece& piece, const Bounds& bounds);
   Bounds cell_bounds(Vec2 low, Vec2 high) const;
 
   double width_;
@@ -73,7 +75,7 @@ class Surface {
   std::shared_ptr<const spline::Basis> basis_;
   std::vector<SurfaceTerm> terms_;
 
-  // Displacement bounds of the terms that touch each square cell.
+  // Displacement bounds of the terms that touch each square cell, and zero.
   double cell_ = 1;
   std::size_t columns_ = 1;
   std::size_t rows_ = 1;

@@ -89,13 +89,19 @@ void append_values(const PieceSet& set, const TermIndex& index, Vec2 u, Vec2 dir
 }  // namespace
 
 Basis::Basis(std::shared_ptr<const SplineSpace> space)
-    : space_(std::move(space)),
-      pieces_(make_pieces(*space_)),
-      index_(pieces_, space_->mesh().width, space_->mesh().height, space_->mesh().knots.size()) {}
+    : space_(std::move(space)), pieces_(make_pieces(*space_)) {}
+
+const TermIndex& Basis::index() const {
+  std::call_once(index_->made, [this] {
+    const mesh::KnotMesh& mesh = space_->mesh();
+    index_->index = TermIndex(pieces_, mesh.width, mesh.height, mesh.knots.size());
+  });
+  return index_->index;
+}
 
 void Basis::evaluate(Vec2 u, Vec2 direction, std::vector<BasisValue>& out) const {
   out.clear();
-  append_values(pieces_, index_, u, direction, out);
+  append_values(pieces_, index(), u, direction, out);
   merge(out, 0);
 }
 
@@ -105,8 +111,9 @@ void Basis::evaluate(Vec2 u, std::vector<BasisValue>& out) const {
 
 void Basis::evaluate(Vec2 u, Vec2 direction, std::vector<BasisJet>& out) const {
   out.clear();
-  for (const TermIndex::Entry& e : index_.at(u)) {
-    if (!index_.near(e, u)) continue;
+  const TermIndex& index = this->index();
+  for (const TermIndex::Entry& e : index.at(u)) {
+    if (!index.near(e, u)) continue;
     const PieceTerm& term = pieces_.terms[e.term];
     const Jet w = term_jet(term, u, direction);
     if (w == Jet{}) continue;
@@ -126,12 +133,13 @@ ScatteredValues Basis::evaluate(std::span<const Vec2> points) const {
   std::vector<std::vector<BasisValue>> values(blocks);
   ScatteredValues result;
   result.begin.assign(points.size() + 1, 0);
+  const TermIndex& index = this->index();
   parallel_for(blocks, [&](std::size_t b) {
     const std::size_t end = std::min(points.size(), (b + 1) * kBlock);
     for (std::size_t i = b * kBlock; i < end; ++i) {
       const std::size_t before = values[b].size();
       const Vec2 direction = inward_direction(points[i], space_->mesh().width, space_->mesh().height);
-      append_values(pieces_, index_, points[i], direction, values[b]);
+      append_values(pieces_, index, points[i], direction, values[b]);
       merge(values[b], before);
       result.begin[i + 1] = values[b].size() - before;
     }

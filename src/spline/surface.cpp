@@ -103,14 +103,15 @@ void surface_at_points(const Basis& basis, const Control& control, std::span<con
   const auto channels = static_cast<std::size_t>(control.channels);
   const PieceSet& set = basis.pieces();
   const mesh::KnotMesh& mesh = basis.space().mesh();
+  const TermIndex& index = basis.index();
   parallel_for((points.size() + kPoints - 1) / kPoints, [&](std::size_t block) {
     for (std::size_t i = block * kPoints; i < std::min(points.size(), (block + 1) * kPoints); ++i) {
       const Vec2 u = points[i];
       const Vec2 direction = inward_direction(u, mesh.width, mesh.height);
       double* const sums = out.data() + i * channels;
       std::fill_n(sums, channels, 0.0);
-      for (const TermIndex::Entry& e : basis.index().at(u)) {
-        if (!basis.index().near(e, u)) continue;
+      for (const TermIndex::Entry& e : index.at(u)) {
+        if (!index.near(e, u)) continue;
         const double w = term_value(set.terms[e.term], u, direction);
         if (w == 0) continue;
         for_functions(set.pieces[e.piece], control, [&](std::size_t k, const double* point) {
@@ -125,9 +126,10 @@ void surface_at_points(const Basis& basis, const Control& control, std::span<con
 void surface_jets(const Basis& basis, const Control& control, Vec2 u, Vec2 direction, std::span<Jet> out) {
   const auto channels = static_cast<std::size_t>(control.channels);
   const PieceSet& set = basis.pieces();
+  const TermIndex& index = basis.index();
   std::fill_n(out.begin(), channels, Jet{});
-  for (const TermIndex::Entry& e : basis.index().at(u)) {
-    if (!basis.index().near(e, u)) continue;
+  for (const TermIndex::Entry& e : index.at(u)) {
+    if (!index.near(e, u)) continue;
     const Jet w = term_jet(set.terms[e.term], u, direction);
     if (w == Jet{}) continue;
     const auto planes = planes_of(set.pieces[e.piece], control, u);

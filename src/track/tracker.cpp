@@ -320,6 +320,7 @@ class Tracker::Impl {
         },
         [&] {
           frame_.basis = std::make_shared<const spline::Basis>(space);
+          frame_.basis->index();  // what follows asks for it
           frame_.prints.clear();
           if (rest_.share() >= kRestToUse) frame_.prints = spline::function_fingerprints(*frame_.basis);
         });

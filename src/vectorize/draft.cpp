@@ -2,6 +2,9 @@
 
 #include <cmath>
 #include <numeric>
+#include <vector>
+
+#include "knotreel/base/parallel.h"
 
 namespace knotreel::vectorize {
 
@@ -41,17 +44,29 @@ void measure_colours(const Samples& samples, const Draft& draft, RoundReport& re
   const std::span<const float> weights =
       draft.fits_all_pixels ? samples.weights() : samples.steering().weights;
   const std::vector<float>& residual = draft.surface.fit.residual;
+  const auto width = static_cast<std::size_t>(samples.picture().width);
+  struct Row {
+    double length = 0;
+    std::size_t count = 0;
+  };
+  std::vector<Row> rows(residual.size() / channels / width);
+  parallel_for(rows.size(), [&](std::size_t y) {
+    for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
+      if (!weights.empty() && weights[i] < 1) continue;
+      double squared = 0;
+      for (std::size_t c = 0; c < channels; ++c) {
+        const double d = static_cast<double>(residual[i * channels + c]);
+        squared += d * d;
+      }
+      rows[y].length += std::sqrt(squared);
+      ++rows[y].count;
+    }
+  });
   double length = 0;
   std::size_t count = 0;
-  for (std::size_t i = 0; i < residual.size() / channels; ++i) {
-    if (!weights.empty() && weights[i] < 1) continue;
-    double squared = 0;
-    for (std::size_t c = 0; c < channels; ++c) {
-      const double d = static_cast<double>(residual[i * channels + c]);
-      squared += d * d;
-    }
-    length += std::sqrt(squared);
-    ++count;
+  for (const Row& row : rows) {
+    length += row.length;
+    count += row.count;
   }
   if (count == 0) return;
   const auto sum = static_cast<double>(count * channels);
@@ -65,13 +80,15 @@ std::vector<float> squared_errors(const Samples& samples, const Draft& draft) {
   const auto width = static_cast<std::size_t>(picture.width);
   const std::size_t rows_per_row = draft.fits_all_pixels || !samples.steers_by_half_rows() ? 1 : 2;
   std::vector<float> squared(picture.pixel_count(), 0);
-  for (std::size_t i = 0; i < squared.size(); ++i) {
-    const std::size_t from = i / width / rows_per_row * width + i % width;
-    for (std::size_t c = 0; c < channels; ++c) {
-      const float d = draft.surface.fit.residual[from * channels + c];
-      squared[i] += d * d;
+  parallel_for(squared.size() / width, [&](std::size_t y) {
+    for (std::size_t x = 0; x < width; ++x) {
+      const std::size_t from = y / rows_per_row * width + x;
+      for (std::size_t c = 0; c < channels; ++c) {
+        const float d = draft.surface.fit.residual[from * channels + c];
+        squared[y * width + x] += d * d;
+      }
     }
-  }
+  });
   return squared;
 }
 

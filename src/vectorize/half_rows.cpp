@@ -1,5 +1,7 @@
 #include "vectorize/half_rows.h"
 
+#include "knotreel/base/parallel.h"
+
 namespace knotreel::vectorize {
 
 PixelData half_rows(const fit::Pixels& pixels) {
@@ -11,7 +13,7 @@ PixelData half_rows(const fit::Pixels& pixels) {
   const std::size_t count = half.image.pixel_count();
   if (!pixels.weights.empty()) half.weights.resize(count);
   if (!pixels.places.empty()) half.places.resize(count);
-  for (std::size_t i = 0; i < count; ++i) {
+  const auto pair = [&](std::size_t i) {
     const std::size_t x = i % width;
     const std::size_t y = 2 * (i / width);
     const std::size_t upper = y * width + x;
@@ -28,13 +30,16 @@ PixelData half_rows(const fit::Pixels& pixels) {
       for (std::size_t c = 0; c < channels; ++c) out[c] = 0.5F * (a[c] + b[c]);
       if (!half.weights.empty()) half.weights[i] = 1;
       if (!half.places.empty()) half.places[i] = {static_cast<double>(x) + 0.5, static_cast<double>(y) + 1};
-      continue;
+      return;
     }
     const std::size_t better = weight(lower) > weight(upper) ? lower : upper;
     for (std::size_t c = 0; c < channels; ++c) out[c] = better == upper ? a[c] : b[c];
     if (!half.weights.empty()) half.weights[i] = weight(better);
     if (!half.places.empty()) half.places[i] = pixels.places[better];
-  }
+  };
+  parallel_for(count / width, [&](std::size_t row) {
+    for (std::size_t i = row * width; i < (row + 1) * width; ++i) pair(i);
+  });
   return half;
 }
 

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "knotreel/base/parallel.h"
 #include "knotreel/fit/edge_colours.h"
 
 namespace knotreel::vectorize {
@@ -43,13 +44,17 @@ Samples::Samples(const image::Image& picture, MappedPicture& mapped, bool half_r
 /// Pixel centres in the domain.
 void Samples::place_pixels() {
   const auto width = static_cast<std::size_t>(picture_.width);
+  const param::Parametrization& map = mapped_.parametrization;
   places_.resize(picture_.pixel_count());
-  for (std::size_t i = 0; i < places_.size(); ++i) {
-    const Vec2 centre{static_cast<double>(i % width) + 0.5, static_cast<double>(i / width) + 0.5};
-    const Vec2 u = centre + (mapped_.parametrization.parameter[i] - mapped_.parametrization.position[i]);
-    places_[i] = {std::clamp(u.x, 0.0, double(picture_.width)),
-                  std::clamp(u.y, 0.0, double(picture_.height))};
-  }
+  parallel_for(places_.size() / width, [&](std::size_t row) {
+    for (std::size_t column = 0; column < width; ++column) {
+      const std::size_t i = row * width + column;
+      const Vec2 centre{static_cast<double>(column) + 0.5, static_cast<double>(row) + 0.5};
+      const Vec2 u = centre + (map.parameter[i] - map.position[i]);
+      places_[i] = {std::clamp(u.x, 0.0, double(picture_.width)),
+                    std::clamp(u.y, 0.0, double(picture_.height))};
+    }
+  });
 }
 
 /// @return 1 for pixels that features cross.

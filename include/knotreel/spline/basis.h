@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -81,7 +82,8 @@ class Basis {
 
   const SplineSpace& space() const { return *space_; }
   const PieceSet& pieces() const { return pieces_; }
-  const TermIndex& index() const { return index_; }
+  /// Made when it is first asked for: the values at pixels do without it.
+  const TermIndex& index() const;
 
   /// Functions that are not zero at u, ascending. On a feature (and wherever else a side must be chosen) the
   /// limit from the side of `direction`; the shorter form uses inward_direction(u).
@@ -95,9 +97,14 @@ class Basis {
   ScatteredValues evaluate(std::span<const Vec2> points) const;
 
  private:
+  struct LazyIndex {
+    std::once_flag made;
+    TermIndex index;
+  };
+
   std::shared_ptr<const SplineSpace> space_;
   PieceSet pieces_;
-  TermIndex index_;
+  std::unique_ptr<LazyIndex> index_ = std::make_unique<LazyIndex>();
 };
 
 }  // namespace knotreel::spline
