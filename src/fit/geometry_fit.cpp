@@ -26,11 +26,13 @@ Vec2 centre(std::size_t pixel, int width) {
 image::Image displacement_picture(std::span<const Vec2> places, int width, int height) {
   image::Image image{width, height, 2, {}};
   image.samples.resize(2 * places.size());
-  for (std::size_t i = 0; i < places.size(); ++i) {
-    const Vec2 d = centre(i, width) - places[i];
-    image.samples[2 * i] = static_cast<float>(d.x);
-    image.samples[2 * i + 1] = static_cast<float>(d.y);
-  }
+  parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
+    for (std::size_t i = row * std::size_t(width); i < (row + 1) * std::size_t(width); ++i) {
+      const Vec2 d = centre(i, width) - places[i];
+      image.samples[2 * i] = static_cast<float>(d.x);
+      image.samples[2 * i + 1] = static_cast<float>(d.y);
+    }
+  });
   return image;
 }
 

@@ -3,8 +3,10 @@
 #include <algorithm>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <utility>
 
+#include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/fit/pixel_places.h"
 #include "knotreel/raster/edge_softness.h"
@@ -31,9 +33,10 @@ void store_space(int knot_bits, std::size_t channels, fit::ColourSurface& surfac
 std::vector<std::uint8_t> finish_geometry(const spline::Basis& basis, const Options& options,
                                           Samples& samples, RunLog& log, Draft& draft) {
   const int width = samples.picture().width, height = samples.picture().height;
-  const spline::PixelValues values(basis, width, height, samples.places());
+  std::optional<spline::PixelValues> values;
+  parallel_invoke([&] { values.emplace(basis, width, height, samples.places()); }, [&] { basis.index(); });
   log.lap("basis");
-  fit_geometry(values, samples, options.geometry, draft);
+  fit_geometry(*values, samples, options.geometry, draft);
   log.lap("geometry");
   document::round_displacement(draft.displacement, options.displacement_step);
   log.report.geometry_folds = fit::unfold_geometry(basis, draft.displacement);

@@ -20,4 +20,10 @@ knots::PlaceOptions first_knots(const mesh::EditableMesh& mesh, double functions
           .min_distance = options.optimise.min_distance};
 }
 
+void insert_first_knots(const knots::Target& target, std::size_t max_functions, const Options& options,
+                        mesh::EditableMesh& mesh) {
+  const double share = options.rounds > 1 ? options.first_share : 1.0;
+  knots::insert_knots(mesh, target, first_knots(mesh, share * static_cast<double>(max_functions), options));
+}
+
 }  // namespace knotreel::vectorize

@@ -10,4 +10,8 @@ namespace knotreel::vectorize {
 /// many control points, about.
 knots::PlaceOptions first_knots(const mesh::EditableMesh& mesh, double functions, const Options& options);
 
+/// Puts them in; with further rounds to come, a share of what the bound on control points allows.
+void insert_first_knots(const knots::Target& target, std::size_t max_functions, const Options& options,
+                        mesh::EditableMesh& mesh);
+
 }  // namespace knotreel::vectorize

@@ -3,11 +3,10 @@
 #include <algorithm>
 #include <utility>
 
+#include "knotreel/base/parallel.h"
 #include "knotreel/knots/idle_knots.h"
 #include "knotreel/knots/link_choice.h"
-#include "knotreel/knots/place.h"
 #include "knotreel/knots/refine.h"
-#include "vectorize/first_knots.h"
 
 namespace knotreel::vectorize {
 
@@ -24,8 +23,9 @@ constexpr double kShareOfWanted =
 
 }  // namespace
 
-void Rounds::first(mesh::KnotMesh& knots) {
-  place_knots(knots);
+void Rounds::first(EditableMesh mesh, mesh::KnotMesh& knots) {
+  mesh_ = std::make_unique<EditableMesh>(std::move(mesh));
+  settle_first_knots(knots);
   fit(options_.rounds == 1);
 }
 
@@ -35,12 +35,7 @@ bool Rounds::next(int round) {
   return true;
 }
 
-void Rounds::place_knots(mesh::KnotMesh& knots) {
-  mesh_ = std::make_unique<EditableMesh>(knots);
-  const double share = options_.rounds > 1 ? options_.first_share : 1.0;
-  knots::insert_knots(*mesh_, target_,
-                      first_knots(*mesh_, share * static_cast<double>(max_functions_), options_));
-  log_.lap("place");
+void Rounds::settle_first_knots(mesh::KnotMesh& knots) {
   knots::optimise(*mesh_, target_, options_.optimise);
   log_.lap("optimise");
   if (options_.optimise.connectivity) knots::remove_slivers(*mesh_, target_, options_.optimise);
@@ -123,15 +118,17 @@ void Rounds::fit(bool last_round) {
   const spline::Basis basis(draft_.surface.space);
   draft_.displacement.assign(draft_.surface.space->geometry_count(), Vec2{});
   // Only knots on curves change how well the geometry follows them, and only further rounds ask for that.
-  if (samples_.has_features() && curves_refined_ && !last_round) {
-    const image::Image& picture = samples_.picture();
-    fit_geometry(spline::PixelValues(basis, picture.width, picture.height, samples_.places()), samples_,
-                 options_.geometry, draft_);
-    log_.lap("geometry");
-  }
-  draft_.surface.fit = fit::fit_colours(basis, samples_.steering(), options_.colour);
+  const bool has_geometry = samples_.has_features() && curves_refined_ && !last_round;
+  const image::Image& picture = samples_.picture();
+  // Neither needs the other, and a good part of each has one thread only.
+  parallel_invoke([&] { draft_.surface.fit = fit::fit_colours(basis, samples_.steering(), options_.colour); },
+                  [&] {
+                    if (!has_geometry) return;
+                    fit_geometry(spline::PixelValues(basis, picture.width, picture.height, samples_.places()),
+                                 samples_, options_.geometry, draft_);
+                  });
   draft_.fits_all_pixels = false;
-  log_.lap("colours");
+  log_.lap(has_geometry ? "geometry and colours" : "colours");
 }
 
 }  // namespace knotreel::vectorize

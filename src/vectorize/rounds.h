@@ -22,13 +22,13 @@ class Rounds {
         log_(log),
         draft_(draft) {}
 
-  /// @param knots that features ask for; those of the picture join them.
-  void first(mesh::KnotMesh& knots);
+  /// @param mesh with the first knots. @param knots that mesh, with the knots where they have settled.
+  void first(mesh::EditableMesh mesh, mesh::KnotMesh& knots);
   /// @param round from 2 on. @return whether it changed anything.
   bool next(int round);
 
  private:
-  void place_knots(mesh::KnotMesh& knots);
+  void settle_first_knots(mesh::KnotMesh& knots);
   bool refine(int round);
   std::vector<mesh::KnotIndex> refine_curves();
   void make_space(bool last_round);

@@ -2,13 +2,16 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "knotreel/base/error.h"
+#include "knotreel/base/parallel.h"
 #include "vectorize/check_options.h"
 #include "vectorize/draft.h"
 #include "vectorize/finish.h"
+#include "vectorize/first_knots.h"
 #include "vectorize/mapped_picture.h"
 #include "vectorize/rounds.h"
 #include "vectorize/run_log.h"
@@ -67,10 +70,16 @@ class Run {
     MappedPicture mapped;
     map_features(picture_, options_, max_functions, log_, mapped);
     const knots::Target target = make_target(picture_, mapped);
-    Samples samples(picture_, mapped, options_.half_rows);
     log_.lap("resample");
+    mesh::EditableMesh mesh(mapped.knots);
+    std::optional<Samples> made;
+    // Knots go in one after the other, which takes one thread.
+    parallel_invoke([&] { insert_first_knots(target, max_functions, options_, mesh); },
+                    [&] { made.emplace(picture_, mapped, options_.half_rows); });
+    log_.lap("place");
+    Samples& samples = *made;
     Rounds rounds(options_, target, samples, max_functions, log_, draft_);
-    rounds.first(mapped.knots);
+    rounds.first(std::move(mesh), mapped.knots);
     end_round(samples);
     for (int round = 2; round <= options_.rounds && !is_good_enough(options_, samples, log_, draft_);
          ++round) {
