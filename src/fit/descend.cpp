@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <optional>
+#include <utility>
 
 #include "knotreel/fit/knot_gradient.h"
 #include "knotreel/mesh/edge_lengths.h"
@@ -106,10 +109,14 @@ class Steps {
   std::vector<Vec2> before_;
 };
 
-std::unique_ptr<const spline::PixelValues> pixel_values(const spline::Basis& basis, const Pixels& pixels) {
-  return std::make_unique<const spline::PixelValues>(basis, pixels.image->width, pixels.image->height,
-                                                     pixels.places);
-}
+/// Functions of a space at pixels.
+struct ValuesOfSpace {
+  ValuesOfSpace(std::shared_ptr<const spline::SplineSpace> space, const Pixels& pixels)
+      : basis(std::move(space)), values(basis, pixels.image->width, pixels.image->height, pixels.places) {}
+
+  spline::Basis basis;
+  spline::PixelValues values;
+};
 
 }  // namespace
 
@@ -139,22 +146,22 @@ void limit_moves(const spline::SplineSpace& space, const mesh::KnotMesh& mesh, d
   Guards(space, mesh, min_distance).limit(mesh, moves);
 }
 
-ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options) {
+ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options,
+                      const spline::PixelValues* values) {
   ColourSurface best = start;
   ColourSurface at = std::move(start);
   Steps steps(at.space->mesh(), options.first_step);
-  auto basis = std::make_unique<const spline::Basis>(at.space);
-  auto values = pixel_values(*basis, pixels);
+  std::optional<ValuesOfSpace> own;
   for (int i = 0; i < options.steps; ++i) {
     if (options.on_step) options.on_step();
+    if (!values) values = &own.emplace(at.space, pixels).values;
     ColourFitOptions colour = options.colour;
     colour.start = at.fit.control;  // the functions stay, and hardly move
     const KnotMesh& mesh = at.space->mesh();
     std::vector<Vec2> moves = steps.moves(knot_gradient(*values, pixels, at.fit), mesh::shortest_edges(mesh));
     limit_moves(*at.space, mesh, options.min_distance, moves);
     at.space = std::make_shared<const spline::SplineSpace>(at.space->moved(moved_positions(mesh, moves)));
-    basis = std::make_unique<const spline::Basis>(at.space);
-    values = pixel_values(*basis, pixels);
+    values = &own.emplace(at.space, pixels).values;
     at.fit = fit_colours(*values, pixels, colour);
     if (at.fit.squared_error < best.fit.squared_error) best = at;
   }

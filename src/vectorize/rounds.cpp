@@ -115,18 +115,23 @@ void Rounds::fit(bool last_round) {
   make_space(last_round);
   keep_bound(last_round);
   log_.lap("links");
-  const spline::Basis basis(draft_.surface.space);
+  draft_.steering.reset();
+  draft_.steering = std::make_unique<const SteeringValues>(draft_.surface.space, samples_);
   draft_.displacement.assign(draft_.surface.space->geometry_count(), Vec2{});
   // Only knots on curves change how well the geometry follows them, and only further rounds ask for that.
   const bool has_geometry = samples_.has_features() && curves_refined_ && !last_round;
   const image::Image& picture = samples_.picture();
   // Neither needs the other, and a good part of each has one thread only.
-  parallel_invoke([&] { draft_.surface.fit = fit::fit_colours(basis, samples_.steering(), options_.colour); },
-                  [&] {
-                    if (!has_geometry) return;
-                    fit_geometry(spline::PixelValues(basis, picture.width, picture.height, samples_.places()),
-                                 samples_, options_.geometry, draft_);
-                  });
+  parallel_invoke(
+      [&] {
+        draft_.surface.fit = fit::fit_colours(draft_.steering->values, samples_.steering(), options_.colour);
+      },
+      [&] {
+        if (!has_geometry) return;
+        const spline::PixelValues values(draft_.steering->basis, picture.width, picture.height,
+                                         samples_.places());
+        fit_geometry(values, samples_, options_.geometry, draft_);
+      });
   draft_.fits_all_pixels = false;
   log_.lap(has_geometry ? "geometry and colours" : "colours");
 }

@@ -34,7 +34,7 @@ bool is_good_enough(const Options& options, const Samples& samples, RunLog& log,
   const auto met = [&] { return log.round().mec <= options.mec && log.round().meg <= options.meg; };
   if (!met()) return false;
   if (!draft.fits_all_pixels) {
-    fit_all_pixels(spline::Basis(draft.surface.space), samples, options.colour, draft);
+    fit_all_pixels(draft.steering->basis, samples, options.colour, draft);
     log.lap("colours");
     measure_colours(samples, draft, log.round());
   }
@@ -46,7 +46,7 @@ void descend(const Options& options, const Samples& samples, RunLog& log, Draft&
   if (draft.fits_all_pixels && samples.steers_by_half_rows()) {
     fit::ColourFitOptions from_last = options.colour;
     from_last.start = draft.surface.fit.control;
-    draft.surface.fit = fit::fit_colours(spline::Basis(draft.surface.space), samples.steering(), from_last);
+    draft.surface.fit = fit::fit_colours(draft.steering->values, samples.steering(), from_last);
     draft.fits_all_pixels = false;
   }
   fit::DescentOptions descent;
@@ -54,7 +54,8 @@ void descend(const Options& options, const Samples& samples, RunLog& log, Draft&
   descent.min_distance = options.optimise.min_distance;
   descent.colour = options.colour;
   descent.on_step = [&] { log.step("descent step"); };
-  draft.surface = fit::descend(std::move(draft.surface), samples.steering(), descent);
+  draft.surface =
+      fit::descend(std::move(draft.surface), samples.steering(), descent, &draft.steering->values);
   log.lap("descend");
 }
 
@@ -95,6 +96,7 @@ class Run {
       descend(options_, samples, log_, draft_);
       end_round(samples);
     }
+    draft_.steering.reset();
     log_.begin_round("final");
     Fitted fitted = finish(options_, samples, log_, draft_);
     end_round(samples);

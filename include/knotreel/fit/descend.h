@@ -26,7 +26,9 @@ struct ColourSurface {
 /// each step. Connectivity and links stay. A step may raise the error;
 /// the best surface met is returned.
 /// @param pixels their places in the domain are held.
-ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options);
+/// @param values of the functions of the start at the pixels, if they are there already.
+ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options,
+                      const spline::PixelValues* values = nullptr);
 
 /// Where moves take the knots of a mesh, those on a side or a segment exactly on it.
 std::vector<Vec2> moved_positions(const mesh::KnotMesh& mesh, const std::vector<Vec2>& moves);
