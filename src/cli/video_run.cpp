@@ -76,6 +76,7 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
   pipeline::Job job;
   job.reader = &reader;
   job.source = run.input;
+  job.ssim = !run.stats.empty();
   job.cold = cold_options(run, std::uint64_t(info.width) * std::uint64_t(info.height));
   job.tracking = run.tracking;
   job.document = run.document;

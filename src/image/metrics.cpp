@@ -199,7 +199,7 @@ double mean_ssim(const Plane& a, const Plane& b) {
   return std::accumulate(rows.begin(), rows.end(), 0.0) / double(rows.size());
 }
 
-ImageMetrics compare_same_channels(const Image& a, const Image& b) {
+ImageMetrics compare_same_channels(const Image& a, const Image& b, Figures figures) {
   std::vector<RowSums> rows(std::size_t(a.height));
   parallel_for(rows.size(), [&](std::size_t y) {
     rows[y] =
@@ -218,23 +218,23 @@ ImageMetrics compare_same_channels(const Image& a, const Image& b) {
   const double mean_squared = sums.squared_8bit / (pixels * a.channels);
   metrics.psnr =
       mean_squared == 0 ? std::numeric_limits<double>::infinity() : 10 * std::log10(255 * 255 / mean_squared);
-  metrics.ssim = mean_ssim(luma(a), luma(b));
+  if (figures == Figures::kAll) metrics.ssim = mean_ssim(luma(a), luma(b));
   return metrics;
 }
 
 }  // namespace
 
-ImageMetrics compare_images(const Image& a, const Image& b) {
+ImageMetrics compare_images(const Image& a, const Image& b, Figures figures) {
   if (a.width != b.width || a.height != b.height) {
     throw Error(ErrorKind::kInvalidArgument, "the pictures differ in size: " + std::to_string(a.width) + "x" +
                                                  std::to_string(a.height) + " and " +
                                                  std::to_string(b.width) + "x" + std::to_string(b.height));
   }
   if (a.pixel_count() == 0) throw Error(ErrorKind::kInvalidArgument, "the pictures are empty");
-  if (a.channels == b.channels) return compare_same_channels(a, b);
+  if (a.channels == b.channels) return compare_same_channels(a, b, figures);
   const int colours = std::max(a.colour_channels(), b.colour_channels());
   const int channels = colours + (a.has_alpha() || b.has_alpha() ? 1 : 0);
-  return compare_same_channels(widen_channels(a, channels), widen_channels(b, channels));
+  return compare_same_channels(widen_channels(a, channels), widen_channels(b, channels), figures);
 }
 
 }  // namespace knotreel::image

@@ -4,8 +4,6 @@
 #include <limits>
 #include <utility>
 
-#include "knotreel/image/metrics.h"
-
 namespace knotreel::pipeline {
 namespace {
 
@@ -19,8 +17,9 @@ image::Image rendered(const Message& message, const BasisPointer& basis,
   return image;
 }
 
-void measure(const image::Image& picture, const image::Image& rendering, FrameRow& row) {
-  const image::ImageMetrics metrics = image::compare_images(picture, rendering);
+void measure(const image::Image& picture, const image::Image& rendering, image::Figures figures,
+             FrameRow& row) {
+  const image::ImageMetrics metrics = image::compare_images(picture, rendering, figures);
   row.mec = metrics.mec;
   row.psnr = metrics.psnr;
   row.ssim = metrics.ssim;
@@ -33,8 +32,8 @@ double seconds_between(Clock::time_point start, Clock::time_point end) {
 }  // namespace
 
 PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo& source,
-                             const video::VideoReader* copied, FrameObserver on_frame)
-    : background_(output.background), on_frame_(std::move(on_frame)) {
+                             const video::VideoReader* copied, FrameObserver on_frame, image::Figures figures)
+    : measured_(figures), background_(output.background), on_frame_(std::move(on_frame)) {
   video::StreamInfo frames = source;
   if (output.width > 0) frames.width = output.width;
   if (output.height > 0) frames.height = output.height;
@@ -61,7 +60,7 @@ PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo&
 void PictureOutput::draw(Message& message, const BasisPointer& basis) const {
   if (message.picture) {
     image::Image own = rendered(message, basis, {});
-    measure(*message.picture, own, message.row);
+    measure(*message.picture, own, measured_, message.row);
     if (writer_ && same_size_) message.rendering = std::move(own);
   }
   if (writer_ && message.rendering.samples.empty()) message.rendering = rendered(message, basis, at_output_);

@@ -5,6 +5,7 @@
 #include <optional>
 #include <tuple>
 
+#include "knotreel/image/metrics.h"
 #include "knotreel/pipeline/job.h"
 #include "knotreel/raster/render.h"
 #include "pipeline/message.h"
@@ -18,7 +19,7 @@ class PictureOutput {
  public:
   /// @param copied  whose other streams are copied; may be null. @throws as VideoWriter::create().
   PictureOutput(const VideoOutput& output, const video::StreamInfo& source, const video::VideoReader* copied,
-                FrameObserver on_frame);
+                FrameObserver on_frame, image::Figures figures);
 
   /// Draws the model at the size of the output; measures it at its own size if the message has the picture.
   /// Several messages at once.
@@ -42,6 +43,7 @@ class PictureOutput {
   image::Image written_;                                ///< last
   std::tuple<double, double, double, double> figures_;  ///< of it: MEC, MEG, PSNR, SSIM
   bool same_size_ = false;
+  image::Figures measured_;
   image::Background background_;
   FrameObserver on_frame_;
   Clock::time_point start_ = Clock::now();

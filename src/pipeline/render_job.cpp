@@ -20,7 +20,7 @@ class RenderStages {
       : job_(job),
         schedule_(job),
         copied_(job, schedule_),
-        output_(job.video, schedule_.stream(), job.copied, job.on_frame) {}
+        output_(job.video, schedule_.stream(), job.copied, job.on_frame, image::Figures::kWithoutSsim) {}
 
   MessagePtr read() {
     if (failure_.any() || stopped_) return nullptr;

@@ -39,7 +39,8 @@ bool is_awaited(const Message& message) {
 Stages::Stages(const Job& job)
     : job_(job),
       info_(sequence_info(job.reader->info(), job.source, job.cold.degree)),
-      output_(job.video, job.reader->info(), job.reader, job.on_frame),
+      output_(job.video, job.reader->info(), job.reader, job.on_frame,
+              job.ssim ? image::Figures::kAll : image::Figures::kWithoutSsim),
       beside_(job),
       document_(job.document, info_),
       groups_(job.tracking) {

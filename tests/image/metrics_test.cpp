@@ -123,6 +123,16 @@ TEST(Metrics, SsimAgreesWithTheSlowReference) {
   }
 }
 
+TEST(Metrics, TheOthersAreTheSameWithoutSsim) {
+  const Image a = random_picture(40, 30, 3, 1), b = random_picture(40, 30, 3, 2);
+  const ImageMetrics all = compare_images(a, b), some = compare_images(a, b, Figures::kWithoutSsim);
+  EXPECT_NE(all.ssim, 0);
+  EXPECT_EQ(some.ssim, 0);
+  EXPECT_EQ(some.mec, all.mec);
+  EXPECT_EQ(some.rmse, all.rmse);
+  EXPECT_EQ(some.psnr, all.psnr);
+}
+
 TEST(Metrics, ThreadsDoNotShow) {
   const Image a = random_picture(200, 150, 3, 1);
   const Image b = random_picture(200, 150, 3, 2);

@@ -17,13 +17,17 @@ struct ImageMetrics {
   /// Structural similarity of the luma (Rec. 601 weights; grey is its own luma), at most 1 [Wang04]: Gaussian
   /// window of 11 x 11 and sigma 1.5, K1 = 0.01, K2 = 0.03, L = 255, mean over the windows that lie inside
   /// the picture. In a picture narrower or lower than 11 pixels, the window shrinks to the largest odd size.
+  /// 0 if it was not asked for.
   double ssim = 0;
 };
+
+/// What to find; SSIM takes three quarters of the time.
+enum class Figures { kAll, kWithoutSsim };
 
 /// Compares two pictures of one size. Different channels are widened to the larger set first: grey to RGB,
 /// no alpha to opaque. Colours are compared as they are stored, whatever the alpha.
 /// @throws Error{kInvalidArgument} if the sizes differ or a picture is empty.
 /// All threads are used; the result does not depend on their number.
-ImageMetrics compare_images(const Image& a, const Image& b);
+ImageMetrics compare_images(const Image& a, const Image& b, Figures figures = Figures::kAll);
 
 }  // namespace knotreel::image

@@ -37,7 +37,7 @@ struct FrameRow {
   double mec = 0;               ///< levels; of the stored model, drawn at the size of the source
   double meg = 0;               ///< pixels, as track::curve_error(); 0: no features
   double psnr = 0;              ///< dB, likewise; infinite for equal pictures
-  double ssim = 0;              ///< likewise
+  double ssim = 0;              ///< likewise; 0 if the job does not ask for it
   double survival = 0;          ///< share of the knots of the frame before that are in this one, 0 to 1
   track::MeshChanges changes;   ///< of its mesh, and of that for the next frame
   std::uint64_t bytes = 0;      ///< of its chunk in the document
@@ -122,6 +122,7 @@ struct Job {
   int frames_in_flight = 0;  ///< bounds the memory; 0: twice the number of threads, and two
   Stop stop;                 ///< true: no more frames; those begun and all files are finished
   FrameObserver on_frame;
+  bool ssim = true;  ///< whether frames are measured by it, a fiftieth of all the time
 };
 
 }  // namespace knotreel::pipeline
