@@ -3,6 +3,7 @@
 #include "cli/parse.h"
 
 namespace knotreel::cli {
+
 void add_part_options(CLI::App& command, PartOptions& options, const std::string& frames_help) {
   CLI::Option* frames = command.add_option("--frames", options.frames, frames_help)->type_name("A-B");
   command

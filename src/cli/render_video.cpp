@@ -33,18 +33,19 @@ void choose_part(const video::Part& part, pipeline::RenderJob& job) {
   const bool by_time = part.start > 0 || std::isfinite(part.end);
   if (!by_time) return;
   const double tick = pipeline::stream_info(reader.info()).time_base.value();
+  const auto time = [&](std::size_t i) { return double(reader.record(i).pts - reader.record(0).pts) * tick; };
   const auto first_from = [&](double seconds) {
     std::size_t i = 0;
-    for (; i < reader.frame_count(); ++i) {
-      if (double(reader.record(i).pts - reader.record(0).pts) * tick >= seconds - kSameTime) break;
-    }
+    while (i < reader.frame_count() && time(i) < seconds - kSameTime) ++i;
     return i;
   };
   job.first = first_from(part.start);
   const std::size_t end = first_from(part.end);
   if (job.first == end) {
     const std::string to = std::isfinite(part.end) ? fmt::format("to {} s", part.end) : "on";
-    throw Error(ErrorKind::kInvalidArgument, fmt::format("there is no frame from {} s {}", part.start, to));
+    throw Error(ErrorKind::kInvalidArgument,
+                fmt::format("there is no frame from {} s {}: the last one is at {} s", part.start, to,
+                            time(reader.frame_count() - 1)));
   }
   job.last = end - 1;
 }

@@ -109,15 +109,6 @@ class Steps {
   std::vector<Vec2> before_;
 };
 
-/// Functions of a space at pixels.
-struct ValuesOfSpace {
-  ValuesOfSpace(std::shared_ptr<const spline::SplineSpace> space, const Pixels& pixels)
-      : basis(std::move(space)), values(basis, pixels.image->width, pixels.image->height, pixels.places) {}
-
-  spline::Basis basis;
-  spline::PixelValues values;
-};
-
 }  // namespace
 
 std::vector<Vec2> moved_positions(const mesh::KnotMesh& mesh, const std::vector<Vec2>& moves) {
@@ -151,7 +142,7 @@ ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOp
   ColourSurface best = start;
   ColourSurface at = std::move(start);
   Steps steps(at.space->mesh(), options.first_step);
-  std::optional<ValuesOfSpace> own;
+  std::optional<SpaceAtPixels> own;
   for (int i = 0; i < options.steps; ++i) {
     if (options.on_step) options.on_step();
     if (!values) values = &own.emplace(at.space, pixels).values;

@@ -11,21 +11,10 @@
 
 namespace knotreel::vectorize {
 
-/// The functions of a space at the steering pixels of samples.
-struct SteeringValues {
-  SteeringValues(std::shared_ptr<const spline::SplineSpace> space, const Samples& samples)
-      : basis(std::move(space)),
-        values(basis, samples.steering().image->width, samples.steering().image->height,
-               samples.steering().places) {}
-
-  spline::Basis basis;
-  spline::PixelValues values;
-};
-
 /// The model as far as it is made.
 struct Draft {
   fit::ColourSurface surface;
-  std::unique_ptr<const SteeringValues> steering;  ///< of the surface's space; null behind the rounds
+  std::unique_ptr<const fit::SpaceAtPixels> steering;  ///< the surface's space there; null behind the rounds
   bool fits_all_pixels = false;  ///< whether the residual is of all pixels rather than the steering ones
   std::vector<Vec2> displacement;
   std::vector<double> curve_errors;  ///< pixels, parallel to Samples::curves(); empty: not measured

@@ -18,8 +18,8 @@ namespace {
 // Of idle knots in a round of refinement: more go at once than in a video, where each change is seen.
 constexpr knots::SwapOptions kSwap{.ratio = 10, .share = 0.1};
 
-constexpr double kShareOfWanted =
-    0.98;  // of the knots that fit into the bound: how many functions each brings is a guess
+// Of the knots that fit into the bound: how many functions each brings is a guess.
+constexpr double kShareOfWanted = 0.98;
 
 }  // namespace
 
@@ -116,7 +116,7 @@ void Rounds::fit(bool last_round) {
   keep_bound(last_round);
   log_.lap("links");
   draft_.steering.reset();
-  draft_.steering = std::make_unique<const SteeringValues>(draft_.surface.space, samples_);
+  draft_.steering = std::make_unique<const fit::SpaceAtPixels>(draft_.surface.space, samples_.steering());
   draft_.displacement.assign(draft_.surface.space->geometry_count(), Vec2{});
   // Only knots on curves change how well the geometry follows them, and only further rounds ask for that.
   const bool has_geometry = samples_.has_features() && curves_refined_ && !last_round;

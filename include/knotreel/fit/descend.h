@@ -2,8 +2,10 @@
 
 #include <functional>
 #include <memory>
+#include <utility>
 
 #include "knotreel/fit/colour_fit.h"
+#include "knotreel/spline/pixel_values.h"
 
 namespace knotreel::fit {
 
@@ -19,6 +21,17 @@ struct DescentOptions {
 struct ColourSurface {
   std::shared_ptr<const spline::SplineSpace> space;
   ColourFit fit;
+};
+
+/// The functions of a space at the places of pixels, which outlive it.
+struct SpaceAtPixels {
+  SpaceAtPixels(std::shared_ptr<const spline::SplineSpace> space, const Pixels& pixels)
+      : basis(std::move(space)), values(basis, pixels.image->width, pixels.image->height, pixels.places) {}
+  SpaceAtPixels(const SpaceAtPixels&) = delete;
+  SpaceAtPixels& operator=(const SpaceAtPixels&) = delete;
+
+  spline::Basis basis;
+  spline::PixelValues values;
 };
 
 /// Descent on the true residual: moves the knots against knot_gradient(), each with a step of its own that
