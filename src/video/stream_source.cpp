@@ -104,6 +104,7 @@ FramePtr StreamSource::receive() {
       ++decoded_;
       // The decoder has filled in what was missing; that is better than a gap.
       const bool complained = complaints_.exchange(0) > 0;
+      if (frame->best_effort_timestamp < shown_from_) return frame;
       if (complained || frame->decode_error_flags != 0 || (frame->flags & AV_FRAME_FLAG_CORRUPT) != 0) {
         if (strict_) damage("wrong in itself");
         ++damaged_;
@@ -297,11 +298,13 @@ bool StreamSource::decode_from(std::int64_t pts) {
 /// behind the packet that is found may need some before it.
 bool StreamSource::seek(double seconds) {
   constexpr double kEarlier = 3;
-  if (!ahead_ || !info_.timestamps) return false;
+  if (!ahead_ || !info_.timestamps || strict_) return false;
   const double target = (seconds - kEarlier) / info_.time_base.value();
   const std::int64_t here = ahead_->pts;
   if (!(target > double(here)) || target > double(kMaxTicks)) return false;
-  if (decode_from(std::int64_t(target)) && double(ahead_->pts) <= target) return true;
+  shown_from_ = std::int64_t(target);
+  if (decode_from(shown_from_) && double(ahead_->pts) <= target) return true;
+  shown_from_ = AV_NOPTS_VALUE;
   if (ahead_ && ahead_->pts == here) return false;
   // The index is wrong. Back to where this began.
   bool is_back = decode_from(here);

@@ -54,6 +54,8 @@ class StreamSource : public Source {
   FramePtr ahead_;
   std::vector<Packet> packets_;
   std::uint64_t decoded_ = 0, handed_out_ = 0;
+  /// Frames before that time come from a seek: what they lack, because it lies before them, is no damage.
+  std::int64_t shown_from_ = AV_NOPTS_VALUE;
   std::int64_t last_pts_ = AV_NOPTS_VALUE, last_duration_ = 0;
   bool drained_ = false, cut_short_ = false;
   double clock_ = -std::numeric_limits<double>::infinity();  ///< of packets_until(), seconds

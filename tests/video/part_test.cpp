@@ -166,6 +166,9 @@ TEST(Parts, DoNotMeetDamageLongBeforeThem) {
   const WholeClip part = read_clip(path, between(6, 0));
   EXPECT_EQ(part.damaged, 0u);
   expect_part(part, whole, 150, 50);
+  ReadOptions strict = between(6, 0);
+  strict.strict = true;
+  EXPECT_EQ(kind_of([&] { VideoReader::open(path, strict); }), ErrorKind::kInput);
 }
 
 TEST(Parts, BehindTheEndAreAnError) {

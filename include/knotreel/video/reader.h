@@ -24,8 +24,8 @@ struct Frame {
 };
 
 /// What is wanted of a video: frames by their numbers, or by their times. Those before are decoded and passed
-/// over, but for what an index of the file tells of times (MP4, Matroska); of copied streams the same time is
-/// kept.
+/// over, but for what an index of the file tells of times (MP4, Matroska), unless strict; of copied streams
+/// the same time is kept.
 struct Part {
   std::uint64_t first = 0;  ///< number of the frame to begin with
   std::uint64_t count = 0;  ///< of frames, at most; 0: up to the end
