@@ -107,8 +107,8 @@ std::vector<KnotIndex> Rework::add_features(const ReworkInput& input, std::span<
   const double least = kLeastShare * cold_.feature_share * static_cast<double>(group_functions_);
   const double room = std::max(least / vectorize::kFunctionsPerFeaturePixel, group_features_) -
                       feature_length(frame.space->mesh());
-  const auto lines = missing_features(*frame.basis, frame.displacement, frame.seen, input.picture, errors,
-                                      cold_.detect, room, options_.birth);
+  const auto lines = missing_features(*frame.basis, frame.displacement, frame.seen, input.target.image(),
+                                      errors, cold_.detect, room, options_.birth);
   for (const std::vector<KnotIndex>& knots : mesh::insert_polylines(mesh, lines)) {
     born.insert(born.end(), knots.begin(), knots.end());
     log.changes.features_born += knots.empty() ? 0 : 1;
@@ -130,7 +130,7 @@ void Rework::grow_group(double mec, std::size_t most_functions) {
 void Rework::refill(const ReworkInput& input, std::span<const float> errors, bool urgent, EditableMesh& mesh,
                     const std::vector<KnotIndex>& born, double born_functions, const ReworkLog& log) const {
   const FittedFrame& frame = input.frame;
-  const int width = input.picture.width, height = input.picture.height;
+  const int width = input.target.image().width, height = input.target.image().height;
   const double functions = static_cast<double>(frame.space->function_count());
   const double per_knot = functions / static_cast<double>(frame.space->mesh().knots.size());
   const double wanted = std::min(static_cast<double>(group_functions_),

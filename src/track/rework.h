@@ -17,8 +17,7 @@ namespace knotreel::track {
 struct ReworkInput {
   const FittedFrame& frame;
   const mesh::KnotMesh& mesh;      ///< of the frame, with the knots where they are before they are rounded
-  const image::Image& picture;     ///< as it came
-  const knots::Target& target;     ///< of the picture
+  const knots::Target& target;     ///< of the picture as it came
   const motion::Rest& rest;        ///< of the video, as of this picture
   std::size_t most_functions = 0;  ///< of any frame
 };

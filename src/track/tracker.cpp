@@ -175,8 +175,8 @@ class Tracker::Impl {
     keep_for_next(picture, false);
   }
 
-  void make_target(const image::Image& picture) {
-    target_ = std::make_unique<knots::Target>(picture, std::vector<float>{});
+  void make_target(image::Image picture) {
+    target_ = std::make_unique<knots::Target>(std::move(picture), std::vector<float>{});
     difficulty_.reset();
   }
 
@@ -219,7 +219,7 @@ class Tracker::Impl {
     // Curves that were left alone may be why: they are bent in all frames for a while.
     if (since_bend_ > 0 && watch_.has_fallen(report_->psnr)) frames_to_bend_ = kFramesToBend;
     for (int pass = 0; pass < options_.most_repairs && watch_.needs_repair(report_->psnr); ++pass) {
-      take_over(rework_.at_once(rework_input(picture), rework_log()), LinkMemory(*frame_.space));
+      take_over(rework_.at_once(rework_input(), rework_log()), LinkMemory(*frame_.space));
       fit(picture, motion);
       measure();
       ++report_->changes.repairs;
@@ -357,26 +357,23 @@ class Tracker::Impl {
   void keep_for_next(const image::Image& picture, bool urgent) {
     last_mec_ = report_->mec;
     if (!options_.warm_start) return;
-    last_picture_ = picture;
+    if (!target_) first_picture_ = picture;
     last_is_urgent_ = urgent;
   }
 
   /// Makes the mesh to start from of that of the last frame.
   void rework_last() {
-    if (!target_) make_target(last_picture_);
+    if (!target_) make_target(std::exchange(first_picture_, {}));
     parallel_invoke(
         [&] {
           if (!last_cold_.difficulty) last_cold_.difficulty = difficulty_now();
         },
         [&] {
-          next_mesh_ =
-              rework_.for_next_frame(rework_input(last_picture_), last_mec_, last_is_urgent_, rework_log());
+          next_mesh_ = rework_.for_next_frame(rework_input(), last_mec_, last_is_urgent_, rework_log());
         });
   }
 
-  ReworkInput rework_input(const image::Image& picture) const {
-    return {frame_, mesh_, picture, *target_, rest_, most_functions_};
-  }
+  ReworkInput rework_input() const { return {frame_, mesh_, *target_, rest_, most_functions_}; }
   ReworkLog rework_log() { return {report_->changes, *laps_, next_id_}; }
 
   document::FrameModel model(const image::Image& picture, bool keyframe) const {
@@ -417,7 +414,7 @@ class Tracker::Impl {
     std::optional<double> difficulty;  ///< found once there is a next frame
   } last_cold_;                        ///< that began the group, or was made in vain
   double last_mec_ = 0;
-  image::Image last_picture_;  ///< if warm frames may follow
+  image::Image first_picture_;  ///< of the group, until there is a target of it; if warm frames may follow
   bool last_is_urgent_ = false;
   std::size_t most_functions_ = 0;
   int since_bend_ = 0;      ///< frames
