@@ -157,6 +157,7 @@ void Stages::draw(Message& message) const {
 
 void Stages::encode(Message& message) {
   timed(failure_, "encode", message, [&] {
+    const Urgent urgent(is_awaited(message));
     output_.write(message);
     beside_.write(message);
   });
