@@ -93,9 +93,7 @@ image::Image render_whole(const document::FrameModel& model, const raster::Rende
 }
 
 image::Image render_whole(const raster::Renderer& renderer) {
-  image::Image image = image::make_image(renderer.width(), renderer.height(), renderer.channels());
-  renderer.rows(0, image.height, image.samples);
-  return image;
+  return renderer.whole();
 }
 
 image::Image load_picture(const std::filesystem::path& path, std::uint64_t frame) {

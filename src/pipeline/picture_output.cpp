@@ -11,10 +11,7 @@ using BasisPointer = std::shared_ptr<const spline::Basis>;
 
 image::Image rendered(const Message& message, const BasisPointer& basis,
                       const raster::RenderOptions& options) {
-  const raster::Renderer renderer(message.model, options, basis, message.surface);
-  image::Image image = image::make_image(renderer.width(), renderer.height(), renderer.channels());
-  renderer.rows(0, image.height, image.samples);
-  return image;
+  return raster::Renderer(message.model, options, basis, message.surface).whole();
 }
 
 void measure(const image::Image& picture, const image::Image& rendering, image::Figures figures,

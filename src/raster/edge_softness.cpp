@@ -57,14 +57,6 @@ double opacity(const image::Image& picture, int x, int y, int channel) {
   return static_cast<double>(picture.at(x, y, picture.channels - 1)) / 255;
 }
 
-image::Image drawn(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis,
-                   std::shared_ptr<const spline::PixelSurface> known) {
-  const Renderer renderer(model, {}, std::move(basis), std::move(known));
-  image::Image image = image::make_image(renderer.width(), renderer.height(), renderer.channels());
-  renderer.rows(0, image.height, image.samples);
-  return image;
-}
-
 }  // namespace
 
 double fitting_edge_softness(document::FrameModel model, const image::Image& picture,
@@ -75,7 +67,7 @@ double fitting_edge_softness(document::FrameModel model, const image::Image& pic
   if (!basis) basis = std::make_shared<const spline::Basis>(model.space);
   image::Image drawing;
   std::vector<CrossedPixel> crossed;
-  parallel_invoke([&] { drawing = drawn(model, basis, std::move(known)); },
+  parallel_invoke([&] { drawing = Renderer(model, {}, basis, std::move(known)).whole(); },
                   [&] {
                     const FeatureTrace trace(Surface(model, basis), model.space->mesh());
                     crossed = trace.crossed_pixels(1, 1, 0, picture.height, 0, picture.width);

@@ -313,6 +313,12 @@ int Renderer::channels() const {
   return static_cast<int>(state_->channels);
 }
 
+image::Image Renderer::whole() const {
+  image::Image image = image::make_image(width(), height(), channels());
+  rows(0, image.height, image.samples);
+  return image;
+}
+
 void Renderer::rows(int begin, int end, std::span<float> out) const {
   const State& s = *state_;
   const auto row_samples = static_cast<std::size_t>(width()) * s.channels;

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "knotreel/document/frame_model.h"
+#include "knotreel/image/image.h"
 #include "knotreel/spline/basis.h"
 #include "knotreel/spline/pixel_surface.h"
 
@@ -53,6 +54,8 @@ class Renderer {
   /// scale 0..255, not clamped (splines overshoot). Alpha is not premultiplied.
   /// @param out (end - begin) * width() * channels() samples.
   void rows(int begin, int end, std::span<float> out) const;
+  /// All rows.
+  image::Image whole() const;
 
  private:
   struct State;
