@@ -161,13 +161,13 @@ void multiply_block(const float* a, const float* b, float* out) {
   sum_products(a, b, out);
 }
 
-/// Where the products of function i of a tile with itself and all later ones begin.
-constexpr std::size_t row_begin(std::size_t i, std::size_t count) {
-  return i * (2 * count - i + 1) / 2;
+/// Where the products of function i of a tile with all earlier ones and itself begin.
+constexpr std::size_t row_begin(std::size_t i) {
+  return i * (i + 1) / 2;
 }
 
-/// Sums over the pixels of a tile of the products of its functions: for each function those with itself and
-/// all later ones, one row after the other, without gaps.
+/// Sums over the pixels of a tile of the products of its functions: for each function those with all earlier
+/// ones and itself, one row after the other, without gaps, as rows of the matrix are summed up.
 /// @param weighted the values again, times the weights of the pixels.
 template <class Value>
 void multiply(const Value* values, const Value* weighted, std::size_t count, Value* products) {
@@ -175,11 +175,9 @@ void multiply(const Value* values, const Value* weighted, std::size_t count, Val
   for (std::size_t i = 0; i < count; i += kBlock) {
     for (std::size_t j = i; j < count; j += kBlock) {
       multiply_block(values + i * kTilePixels, weighted + j * kTilePixels, block.data());
-      for (std::size_t k = 0; k < std::min(kBlock, count - i); ++k) {
-        Value* row = products + row_begin(i + k, count);
-        const std::size_t first = j == i ? k : 0;
-        for (std::size_t l = first; l < std::min(kBlock, count - j); ++l)
-          row[j + l - (i + k)] = block[k * kBlock + l];
+      for (std::size_t l = 0; l < std::min(kBlock, count - j); ++l) {
+        Value* row = products + row_begin(j + l) + i;
+        for (std::size_t k = 0; k < (j == i ? l + 1 : kBlock); ++k) row[k] = block[k * kBlock + l];
       }
     }
   }
@@ -212,8 +210,10 @@ class TileSums {
     });
   }
 
-  /// Products of the functions of a tile, as multiply() leaves them.
-  const Value* products(std::size_t tile) const { return products_.get() + product_begin_[tile]; }
+  /// Products of a function of a tile with all earlier ones and itself.
+  const Value* products(TileIndex::Place place) const {
+    return products_.get() + product_begin_[place.tile] + row_begin(place.number);
+  }
   /// Four channels.
   const Value* right(TileIndex::Place place) const {
     return right_.get() + right_begin_[place.tile] + kChannels * std::size_t{place.number};
@@ -299,15 +299,13 @@ class RowSum {
     slots[f] = {f, 0};
     for (const TileIndex::Place place : index.places(f)) {
       const auto functions = values.functions(place.tile);
-      const Value* product = sums.products(place.tile) + place.number;
-      std::size_t to_next = functions.size() - 1;
+      const Value* product = sums.products(place);
       for (const FunctionIndex g : functions.first(place.number + 1)) {
         if (slots[g].row != f) {
           slots[g] = {f, count};
           row[count++] = {sought.number_of[g], 0.0};
         }
-        row[slots[g].at].value += static_cast<double>(*product);
-        product += to_next--;
+        row[slots[g].at].value += static_cast<double>(*product++);
       }
     }
     std::copy_if(row, row + count, std::back_inserter(rows.entries),

@@ -84,12 +84,28 @@ void add(std::vector<Slope>& slopes, std::size_t first, const Slope& more) {
   }
 }
 
-void append_slopes(const Basis& basis, const Sample& sample, std::vector<Slope>& slopes) {
+/// By piece: whether some control point of its functions is displaced. The others change nothing: what is not
+/// displaced does not get so by shrinking.
+std::vector<std::uint8_t> displaced_pieces(const Basis& basis, std::span<const Vec2> displacement) {
+  const std::span<const std::uint32_t> geometry_of = basis.space().geometry_of();
+  std::vector<std::uint8_t> displaced;
+  displaced.reserve(basis.pieces().pieces.size());
+  for (const spline::Piece& piece : basis.pieces().pieces) {
+    displaced.push_back(
+        std::any_of(piece.functions.begin(), piece.functions.end(), [&](spline::FunctionIndex f) {
+          return f != spline::kNoFunction && displacement[geometry_of[f]] != Vec2{};
+        }));
+  }
+  return displaced;
+}
+
+void append_slopes(const Basis& basis, std::span<const std::uint8_t> displaced, const Sample& sample,
+                   std::vector<Slope>& slopes) {
   const std::size_t first = slopes.size();
   const spline::PieceSet& set = basis.pieces();
   const spline::TermIndex& index = basis.index();
   for (const spline::TermIndex::Entry& e : index.at(sample.u)) {
-    if (!index.near(e, sample.u)) continue;
+    if (!displaced[e.piece] || !index.near(e, sample.u)) continue;
     const spline::Jet w = term_jet(set.terms[e.term], sample.u, sample.direction);
     if (w.value == 0 && w.dx == 0 && w.dy == 0) continue;
     const spline::Piece& piece = set.pieces[e.piece];
@@ -104,7 +120,8 @@ void append_slopes(const Basis& basis, const Sample& sample, std::vector<Slope>&
   }
 }
 
-std::vector<Slopes> slopes_at(const Basis& basis, const std::vector<Sample>& samples) {
+std::vector<Slopes> slopes_at(const Basis& basis, std::span<const std::uint8_t> displaced,
+                              const std::vector<Sample>& samples) {
   constexpr std::size_t kSamples = 256;
   constexpr std::size_t kSlopes = 16;  // per sample, that room is made for
   std::vector<Slopes> blocks((samples.size() + kSamples - 1) / kSamples);
@@ -113,7 +130,7 @@ std::vector<Slopes> slopes_at(const Basis& basis, const std::vector<Sample>& sam
     block.slopes.reserve(kSlopes * kSamples);
     block.ends.reserve(kSamples);
     for (std::size_t i = b * kSamples; i < std::min(samples.size(), (b + 1) * kSamples); ++i) {
-      append_slopes(basis, samples[i], block.slopes);
+      append_slopes(basis, displaced, samples[i], block.slopes);
       block.ends.push_back(block.slopes.size());
     }
   });
@@ -123,7 +140,8 @@ std::vector<Slopes> slopes_at(const Basis& basis, const std::vector<Sample>& sam
 }  // namespace
 
 std::size_t unfold_geometry(const Basis& basis, std::vector<Vec2>& displacement) {
-  const std::vector<Slopes> blocks = slopes_at(basis, feature_samples(basis.space().mesh()));
+  const std::vector<Slopes> blocks =
+      slopes_at(basis, displaced_pieces(basis, displacement), feature_samples(basis.space().mesh()));
   std::vector<std::uint8_t> shrink(displacement.size());
   std::size_t folds = 0;
   for (int round = 0; round < kMaxRounds; ++round) {

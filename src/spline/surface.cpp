@@ -38,6 +38,17 @@ std::array<Plane, kMaxSurfaceChannels> planes_of(const Piece& piece, const Contr
   return planes;
 }
 
+/// By piece: whether some control point of its functions is not zero.
+std::vector<std::uint8_t> counting_pieces(const PieceSet& set, const Control& control) {
+  std::vector<std::uint8_t> counts(set.pieces.size(), 0);
+  for (std::size_t p = 0; p < counts.size(); ++p) {
+    for_functions(set.pieces[p], control, [&](std::size_t, const double* point) {
+      if (std::any_of(point, point + control.channels, [](double v) { return v != 0; })) counts[p] = 1;
+    });
+  }
+  return counts;
+}
+
 }  // namespace
 
 template <class Value>
@@ -104,6 +115,8 @@ void surface_at_points(const Basis& basis, const Control& control, std::span<con
   const PieceSet& set = basis.pieces();
   const mesh::KnotMesh& mesh = basis.space().mesh();
   const TermIndex& index = basis.index();
+  // Displacements are zero in most of a picture.
+  const std::vector<std::uint8_t> counts = counting_pieces(set, control);
   parallel_for((points.size() + kPoints - 1) / kPoints, [&](std::size_t block) {
     for (std::size_t i = block * kPoints; i < std::min(points.size(), (block + 1) * kPoints); ++i) {
       const Vec2 u = points[i];
@@ -111,7 +124,7 @@ void surface_at_points(const Basis& basis, const Control& control, std::span<con
       double* const sums = out.data() + i * channels;
       std::fill_n(sums, channels, 0.0);
       for (const TermIndex::Entry& e : index.at(u)) {
-        if (!index.near(e, u)) continue;
+        if (!counts[e.piece] || !index.near(e, u)) continue;
         const double w = term_value(set.terms[e.term], u, direction);
         if (w == 0) continue;
         for_functions(set.pieces[e.piece], control, [&](std::size_t k, const double* point) {
