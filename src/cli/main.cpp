@@ -1,14 +1,13 @@
 #include <fcntl.h>
-#include <malloc.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <exception>
 #include <new>
 #include <string>
-#include <thread>
 
 #include "cli/command.h"
+#include "cli/heap.h"
 #include "cli/interrupt.h"
 #include "cli/standard_error.h"
 #include "knotreel/base/error.h"
@@ -75,19 +74,6 @@ void run(int argc, char** argv) {
 
 }  // namespace
 
-/// Large arrays come and go with every fit; without this, glibc returns each to the system and has its pages
-/// cleared again for the next one, which takes a tenth of the time.
-static void keep_freed_memory() {
-#ifdef __GLIBC__
-  mallopt(M_MMAP_THRESHOLD, 1 << 30);
-  mallopt(M_TRIM_THRESHOLD, 1 << 30);
-  // Arrays are passed on from thread to thread. Each arena keeps what was freed in it, whoever needs memory
-  // next: one for each of two threads takes a sixth more than one for both, for no time that can be measured.
-  constexpr int kThreadsPerArena = 4;
-  mallopt(M_ARENA_MAX, std::max(1, static_cast<int>(std::thread::hardware_concurrency()) / kThreadsPerArena));
-#endif
-}
-
 /// A file that is opened would get the number of a standard stream that is closed, and what is meant for that
 /// one would end up in the file. In its place comes one that cannot be written to, respectively read.
 static void open_standard_streams() {
@@ -99,7 +85,7 @@ static void open_standard_streams() {
 int main(int argc, char** argv) {
   open_standard_streams();
   knotreel::cli::keep_standard_error();
-  keep_freed_memory();
+  knotreel::cli::set_up_heap();
   knotreel::cli::install_signal_handlers();
   knotreel::set_check_while_waiting(knotreel::cli::check_interrupted);
   try {

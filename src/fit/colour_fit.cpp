@@ -18,9 +18,10 @@ namespace knotreel::fit {
 
 namespace {
 
-// How near to the solution control points with a start are looked for, levels, or in steps.
+// How near to the solution control points with a start are looked for, levels; or in steps, where coordinate
+// descent in steps mends what is left.
 constexpr double kTolerance = 0.01;
-constexpr double kToleranceOfStep = 0.1;
+constexpr double kToleranceOfStep = 2;
 
 /// Colours of the picture at the Greville sites of some functions: what control points fall back to where
 /// pixels say nothing.

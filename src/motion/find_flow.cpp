@@ -106,10 +106,11 @@ Flow find_flow(const Luma& from, const Luma& to, const FlowOptions& options) {
   check_sizes(from, to);
   cv::Mat found;
   make_search(options.effort)->calc(large_enough(from), large_enough(to), found);
-  Flow flow{from.width, from.height, std::vector<float>(2 * from.v.size())};
-  const std::size_t row = 2 * std::size_t(from.width);
+  Flow flow{from.width, from.height, {}};
+  flow.xy.reserve(2 * from.v.size());
   for (int y = 0; y < from.height; ++y) {
-    std::copy_n(found.ptr<float>(y), row, flow.xy.data() + std::size_t(y) * row);
+    const float* row = found.ptr<float>(y);
+    flow.xy.insert(flow.xy.end(), row, row + 2 * from.width);
   }
   return flow;
 }
