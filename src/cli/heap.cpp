@@ -42,8 +42,8 @@ bool is_limited() {
 }
 
 /// The heap gets room to grow in huge pages (addresses only: memory is taken when it is used). With small
-/// ones, the 40,000 page faults until it has its size take a twentieth of the time of a short clip, and a
-/// tenth of that of its first frame, where the machine is a virtual one.
+/// ones, the 40,000 page faults until it has its size take a twentieth of the time of a short clip, and up to
+/// a fifth of that of its first frame, where the machine is a virtual one.
 void use_huge_pages() {
   if (is_limited()) return;  // addresses are scarce then
   const auto end_of_heap = [] { return reinterpret_cast<std::uintptr_t>(::sbrk(0)); };
