@@ -89,11 +89,7 @@ void stream_rendering(const raster::Renderer& renderer, const image::Background&
 }
 
 image::Image render_whole(const document::FrameModel& model, const raster::RenderOptions& options) {
-  return render_whole(raster::Renderer(model, options));
-}
-
-image::Image render_whole(const raster::Renderer& renderer) {
-  return renderer.whole();
+  return raster::Renderer(model, options).whole();
 }
 
 image::Image load_picture(const std::filesystem::path& path, std::uint64_t frame) {

@@ -33,7 +33,6 @@ void stream_rendering(const raster::Renderer& renderer, const image::Background&
                       image::RowWriter& writer);
 
 /// The whole rendering in memory.
-image::Image render_whole(const raster::Renderer& renderer);
 image::Image render_whole(const document::FrameModel& model, const raster::RenderOptions& options);
 
 /// A picture file, or the given frame of a document at its own size, as players show it.

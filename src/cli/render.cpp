@@ -64,7 +64,7 @@ void write_turned(const raster::Renderer& renderer, const Turn& turn, const imag
     refuse("a video that is shown turned cannot give more than " + std::to_string(kMaxTurnedPixels) +
            " pixels; use --crop");
   }
-  image::Image whole = video::turned(render_whole(renderer), turn);
+  image::Image whole = video::turned(renderer.whole(), turn);
   image::put_on_background(whole.samples, renderer.channels(), background);
   writer.write(whole.samples, whole.height);
 }
