@@ -4,9 +4,9 @@
 #include <cmath>
 #include <utility>
 
+#include "base/small_vector.h"
 #include "fit/geometry_map.h"
 #include "knotreel/base/parallel.h"
-#include "knotreel/fit/geometry_fit.h"
 #include "knotreel/spline/surface.h"
 
 namespace knotreel::fit {
@@ -31,6 +31,12 @@ struct Offset {
 };
 using Offsets = std::vector<Offset>;
 
+using Surface = spline::TileSurface<float>;
+
+Offset offset_at(const Surface& surface, std::size_t place) {
+  return {surface[place], surface[PixelTiles::kTilePixels + place]};
+}
+
 /// S_geo(u) - u at all pixels at once.
 class Displacements {
  public:
@@ -47,34 +53,33 @@ class Displacements {
       displaced_[f] = displaced_[f] && known.functions[f] ? 1 : 0;
   }
 
-  /// Calls visit(x, y, offset) for all pixels but those in tiles where there is no displacement, or more is
-  /// known than `most`: tiles in any order, on all threads allowed.
-  /// @param places none: the centres. Those of a tile may be changed by the visits of its pixels.
+  /// Calls visit(tiles, tile, surface of the displacement) for all tiles but those without any displacement,
+  /// and those of which more is known than `most`: in any order, on all threads allowed, those of a row of
+  /// tiles one after the other.
+  /// @param places none: the centres. Those of a tile may be changed by its visit.
+  /// @param slack of the tiles.
   template <class Visit>
-  void for_pixels(std::span<const Vec2> places, PlacesOfTile most, Visit&& visit) const {
-    const PixelTiles tiles(basis_, width_, height_, places, displaced_);
+  void for_tiles(std::span<const Vec2> places, double slack, PlacesOfTile most, Visit&& visit) const {
+    const PixelTiles tiles(basis_, width_, height_, places, displaced_, slack);
     std::vector<std::uint8_t> skipped(tiles.tile_count());
     for (std::size_t t = 0; t < skipped.size(); ++t) {
       const bool is_known = !known_.tiles.empty() && known_.tiles[t] > most;
       skipped[t] = is_known || (tiles.pieces(t).empty() && tiles.at_centres(t)) ? 1 : 0;
     }
-    const auto visit_tile = [&](std::size_t t, const spline::TileSurface<float>& surface) {
-      const PixelTiles::Tile tile = tiles.tile(t);
-      for (int y = tile.top; y < tile.bottom; ++y) {
-        auto place = static_cast<std::size_t>((y - tile.top) * PixelTiles::kSide);
-        for (int x = tile.left; x < tile.right; ++x, ++place)
-          visit(x, y, Offset{surface[place], surface[PixelTiles::kTilePixels + place]});
-      }
-    };
-    spline::for_surface_tiles<float>(tiles, {control_, 2}, visit_tile, skipped);
+    spline::for_surface_tiles<float>(
+        tiles, control(), [&](std::size_t t, const Surface& surface) { visit(tiles, t, surface); }, skipped);
   }
+
+  spline::Control control() const { return {control_, 2}; }
 
   /// At the centres, row-major; none where it is not needed.
   Offsets at_centres() const {
     Offsets offsets(std::size_t(width_) * std::size_t(height_));
-    for_pixels({}, PlacesOfTile::kKnown, [&](int x, int y, Offset offset) {
-      offsets[std::size_t(y) * std::size_t(width_) + std::size_t(x)] = offset;
-    });
+    for_tiles(
+        {}, 0, PlacesOfTile::kKnown, [&](const PixelTiles& tiles, std::size_t t, const Surface& surface) {
+          tiles.for_pixels(
+              t, [&](std::size_t pixel, std::size_t place) { offsets[pixel] = offset_at(surface, place); });
+        });
     return offsets;
   }
 
@@ -210,45 +215,81 @@ class Search {
     });
   }
 
-  /// A step from where the surface takes the places, and which it leaves too far off.
+  /// Steps from where the surface takes the places: one for all pixels, and more for those that it leaves too
+  /// far off.
   void step_together() {
-    std::vector<std::vector<std::uint32_t>> far(static_cast<std::size_t>(height_));
-    displacements_.for_pixels(places_, PlacesOfTile::kUnknown, [&](int x, int y, Offset offset) {
-      const std::size_t i = std::size_t(y) * std::size_t(width_) + std::size_t(x);
-      const Vec2 miss = centre(std::size_t(x), std::size_t(y)) - (places_[i] + Vec2{offset.x, offset.y});
-      if (miss == Vec2{}) return;
-      places_[i] = map_.clamped(places_[i] + step(places_[i], miss));
-      if (dot(miss, miss) <= kExact * kExact) return;
-      const auto bend = static_cast<double>(grid_.bend(x, y));
-      if (norm(miss) * std::min(1.0, kLeastBend + bend) > kExact)
-        far[std::size_t(y)].push_back(static_cast<std::uint32_t>(i));
-    });
+    std::vector<std::vector<std::uint32_t>> far(std::size_t(height_ + PixelTiles::kSide - 1) /
+                                                PixelTiles::kSide);
+    displacements_.for_tiles(places_, kSlack, PlacesOfTile::kUnknown,
+                             [&](const PixelTiles& tiles, std::size_t t, const Surface& surface) {
+                               FarPixels left = step_in_tile(tiles, t, surface);
+                               for (int round = 0; round < kRounds && !left.empty(); ++round)
+                                 step_again(tiles, t, left);
+                               auto& row = far[t / tiles.tile_columns()];
+                               for (const FarPixel& p : left) row.push_back(p.pixel);
+                             });
     for (const auto& row : far) far_.insert(far_.end(), row.begin(), row.end());
   }
 
-  /// More steps for the pixels that are far off; in the end with the derivatives of the surface, and care.
-  void step_one_by_one() {
-    for (int round = 0; round < kRounds && !far_.empty(); ++round) {
-      std::vector<Vec2> points;
-      points.reserve(far_.size());
-      for (const std::uint32_t i : far_) points.push_back(places_[i]);
-      const std::vector<Vec2> images = image_points(basis_, displacement_, std::move(points));
-      std::size_t left = 0;
-      for (std::size_t k = 0; k < images.size(); ++k) {
-        const std::uint32_t i = far_[k];
-        const Vec2 miss = centre(i) - images[k];
-        places_[i] = map_.clamped(places_[i] + step(places_[i], miss));
-        if (norm(miss) > 2 * kExact) far_[left++] = i;
+  struct FarPixel {
+    std::uint32_t pixel;
+    Vec2 listed;  ///< the place that the tile was made for
+  };
+  using FarPixels = SmallVector<FarPixel, PixelTiles::kTilePixels>;
+
+  /// @return the pixels that are still too far off.
+  FarPixels step_in_tile(const PixelTiles& tiles, std::size_t t, const Surface& surface) {
+    FarPixels far;
+    const PixelTiles::Tile tile = tiles.tile(t);
+    for (int y = tile.top; y < tile.bottom; ++y) {
+      auto place = std::size_t(y - tile.top) * PixelTiles::kSide;
+      for (int x = tile.left; x < tile.right; ++x, ++place) {
+        const std::size_t i = std::size_t(y) * std::size_t(width_) + std::size_t(x);
+        const Vec2 from = places_[i];
+        const Vec2 miss = centre(std::size_t(x), std::size_t(y)) - image(from, offset_at(surface, place));
+        if (miss == Vec2{}) continue;
+        places_[i] = map_.clamped(from + step(from, miss));
+        if (dot(miss, miss) <= kExact * kExact) continue;
+        const auto bend = static_cast<double>(grid_.bend(x, y));
+        if (norm(miss) * std::min(1.0, kLeastBend + bend) > kExact)
+          far.push_back({static_cast<std::uint32_t>(i), from});
       }
-      far_.resize(left);
     }
+    return far;
+  }
+
+  /// Another step of those that the pieces of the tile tell of; the others, and what is too far off, are
+  /// left.
+  void step_again(const PixelTiles& tiles, std::size_t t, FarPixels& far) {
+    std::array<Vec2, PixelTiles::kTilePixels> places;
+    places.fill(places_[far.front().pixel]);
+    for (std::size_t k = 0; k < far.size(); ++k) places[k] = places_[far[k].pixel];
+    Surface surface;
+    spline::surface_of_tile<float>(tiles, t, places, displacements_.control(), surface);
+    std::size_t left = 0;
+    for (std::size_t k = 0; k < far.size(); ++k) {
+      const FarPixel p = far[k];
+      const Vec2 gone = places[k] - p.listed;
+      const bool is_near = std::max(std::abs(gone.x), std::abs(gone.y)) <= kSlack;
+      const Vec2 miss = centre(p.pixel) - image(places[k], offset_at(surface, k));
+      if (is_near) places_[p.pixel] = map_.clamped(places[k] + step(places[k], miss));
+      if (!is_near || norm(miss) > kExact) far[left++] = p;
+    }
+    far.resize(left);
+  }
+
+  static Vec2 image(Vec2 place, Offset offset) { return place + Vec2{offset.x, offset.y}; }
+
+  /// What is left, with the derivatives of the surface, and care.
+  void step_one_by_one() {
     parallel_for((far_.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
       for (std::size_t k = block * kBlock; k < std::min((block + 1) * kBlock, far_.size()); ++k)
         places_[far_[k]] = map_.place_of(centre(far_[k]), places_[far_[k]]);
     });
   }
 
-  static constexpr int kRounds = 2;
+  static constexpr int kRounds = 3;
+  static constexpr double kSlack = 0.3;       ///< pixels
   static constexpr double kLeastBend = 0.02;  ///< that is reckoned with, pixels per pixel
   static constexpr std::size_t kBlock = 64;
 

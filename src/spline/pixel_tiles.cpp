@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kPieces = 256;       // that are looked at by one call of a parallel loop
 constexpr std::size_t kTilesPerPiece = 8;  // that room is made for
 
-constexpr Vec2 kSlack{1e-9, 1e-9};  // around boxes, for the rounding of places that go by the corner
+constexpr double kRounding = 1e-9;  // of places that go by the corner
 
 /// What holds the places of all pixels of a tile.
 struct Box {
@@ -43,7 +43,8 @@ bool may_reach(const PieceTerm& term, const Box& box) {
 /// Tiles with their boxes.
 class Boxes {
  public:
-  explicit Boxes(const PixelTiles& tiles) : columns_(tiles.tile_columns()), rows_(tiles.tile_rows()) {
+  /// @param slack around them.
+  Boxes(const PixelTiles& tiles, Vec2 slack) : columns_(tiles.tile_columns()), rows_(tiles.tile_rows()) {
     const auto& mesh = tiles.basis().space().mesh();
     tile_ = {PixelTiles::kSide * mesh.width / tiles.width(),
              PixelTiles::kSide * mesh.height / tiles.height()};
@@ -57,7 +58,7 @@ class Boxes {
         Box& box = boxes_[t];
         if (tiles.at_centres(t)) {
           const Vec2 corner = tiles.corner(t);
-          box = {corner + first - kSlack, corner + last + kSlack};
+          box = {corner + first - slack, corner + last + slack};
           continue;
         }
         std::array<double, PixelTiles::kTilePixels> x;
@@ -66,7 +67,7 @@ class Boxes {
         const auto [left, right] = std::minmax_element(x.begin(), x.end());
         const auto [top, bottom] = std::minmax_element(y.begin(), y.end());
         const Vec2 corner = tiles.corner(t);
-        box = {corner + Vec2{*left, *top} - kSlack, corner + Vec2{*right, *bottom} + kSlack};
+        box = {corner + Vec2{*left, *top} - slack, corner + Vec2{*right, *bottom} + slack};
         reach[row] = std::max({reach[row], corner.x - box.low.x, corner.y - box.low.y,
                                box.high.x - corner.x - tile_.x, box.high.y - corner.y - tile_.y});
       }
@@ -101,7 +102,7 @@ class Boxes {
 }  // namespace
 
 PixelTiles::PixelTiles(const Basis& basis, int width, int height, std::span<const Vec2> places,
-                       std::span<const std::uint8_t> wanted)
+                       std::span<const std::uint8_t> wanted, double slack)
     : basis_(&basis),
       width_(width),
       height_(height),
@@ -122,7 +123,7 @@ PixelTiles::PixelTiles(const Basis& basis, int width, int height, std::span<cons
     centres_[kTilePixels + i] = static_cast<float>(centre_y_[i]);
   }
   find_moved();
-  list_pieces(wanted);
+  list_pieces(wanted, slack);
 }
 
 PixelTiles::Tile PixelTiles::tile(std::size_t index) const {
@@ -188,12 +189,12 @@ void PixelTiles::places(std::size_t tile, double* x, double* y) const {
   }
 }
 
-void PixelTiles::list_pieces(std::span<const std::uint8_t> wanted) {
+void PixelTiles::list_pieces(std::span<const std::uint8_t> wanted, double slack) {
   struct Hit {
     std::uint32_t tile;
     std::uint32_t piece;
   };
-  const Boxes boxes(*this);
+  const Boxes boxes(*this, {slack + kRounding, slack + kRounding});
   const PieceSet& set = basis_->pieces();
   std::vector<std::vector<Hit>> blocks((set.pieces.size() + kPieces - 1) / kPieces);
   parallel_for(blocks.size(), [&](std::size_t block) {

@@ -38,6 +38,22 @@ std::array<Plane, kMaxSurfaceChannels> planes_of(const Piece& piece, const Contr
   return planes;
 }
 
+/// The surface at the places of a tile.
+template <class Value>
+void add_up(const PixelTiles& tiles, std::size_t tile, const Control& control, TilePlaces<Value>& places,
+            TileSurface<Value>& out) {
+  const auto channels = static_cast<std::size_t>(control.channels);
+  out.fill(0);
+  const PieceSet& set = tiles.basis().pieces();
+  for (const std::uint32_t p : tiles.pieces(tile)) {
+    const auto planes = planes_of(set.pieces[p], control, places.origin());
+    std::array<Share<Value>, kMaxSurfaceChannels> shares;
+    for (std::size_t c = 0; c < channels; ++c)
+      shares[c] = {plane_in<Value>(planes[c]), out.data() + c * kPixels};
+    places.add(set, set.pieces[p], std::span(shares).first(channels), false);
+  }
+}
+
 /// By piece: whether some control point of its functions is not zero.
 std::vector<std::uint8_t> counting_pieces(const PieceSet& set, const Control& control) {
   std::vector<std::uint8_t> counts(set.pieces.size(), 0);
@@ -54,21 +70,22 @@ std::vector<std::uint8_t> counting_pieces(const PieceSet& set, const Control& co
 template <class Value>
 void surface_of_tile(const PixelTiles& tiles, std::size_t tile, const Control& control,
                      TileSurface<Value>& out) {
-  const auto channels = static_cast<std::size_t>(control.channels);
-  out.fill(0);
-  const PieceSet& set = tiles.basis().pieces();
   TilePlaces<Value> places(tiles, tile);
-  for (const std::uint32_t p : tiles.pieces(tile)) {
-    const auto planes = planes_of(set.pieces[p], control, places.origin());
-    std::array<Share<Value>, kMaxSurfaceChannels> shares;
-    for (std::size_t c = 0; c < channels; ++c)
-      shares[c] = {plane_in<Value>(planes[c]), out.data() + c * kPixels};
-    places.add(set, set.pieces[p], std::span(shares).first(channels), false);
-  }
+  add_up(tiles, tile, control, places, out);
 }
 
 template void surface_of_tile(const PixelTiles&, std::size_t, const Control&, TileSurface<double>&);
 template void surface_of_tile(const PixelTiles&, std::size_t, const Control&, TileSurface<float>&);
+
+template <class Value>
+void surface_of_tile(const PixelTiles& tiles, std::size_t tile, std::span<const Vec2, kPixels> places,
+                     const Control& control, TileSurface<Value>& out) {
+  TilePlaces<Value> others(tiles, tile, places);
+  add_up(tiles, tile, control, others, out);
+}
+
+template void surface_of_tile(const PixelTiles&, std::size_t, std::span<const Vec2, kPixels>, const Control&,
+                              TileSurface<float>&);
 
 template <class Value>
 void for_surface_tiles(const PixelTiles& tiles, const Control& control,

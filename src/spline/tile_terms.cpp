@@ -169,6 +169,18 @@ TilePlaces<Value>::TilePlaces(const PixelTiles& tiles, std::size_t tile)
 }
 
 template <class Value>
+TilePlaces<Value>::TilePlaces(const PixelTiles& tiles, std::size_t tile,
+                              std::span<const Vec2, kPixels> places)
+    : tiles_(tiles), tile_(tile), origin_(tiles.corner(tile)), x_(other_.data()), has_exact_(true) {
+  for (std::size_t i = 0; i < kPixels; ++i) {
+    exact_[i] = places[i].x - origin_.x;
+    exact_[kPixels + i] = places[i].y - origin_.y;
+  }
+  std::transform(exact_.begin(), exact_.end(), other_.begin(),
+                 [](double v) { return static_cast<Value>(v); });
+}
+
+template <class Value>
 const double* TilePlaces<Value>::exact() {
   if (!has_exact_) tiles_.places(tile_, exact_.data(), exact_.data() + kPixels);
   has_exact_ = true;

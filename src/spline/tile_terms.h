@@ -23,6 +23,10 @@ template <class Value>
 class TilePlaces {
  public:
   TilePlaces(const PixelTiles& tiles, std::size_t tile);
+  /// With the pixels at other places, not further away than the tiles have slack.
+  TilePlaces(const PixelTiles& tiles, std::size_t tile, std::span<const Vec2, kPixels> places);
+  TilePlaces(const TilePlaces&) = delete;
+  TilePlaces& operator=(const TilePlaces&) = delete;
 
   Vec2 origin() const { return origin_; }
 
@@ -39,7 +43,8 @@ class TilePlaces {
   std::size_t tile_;
   Vec2 origin_;
   const Value* x_;
-  std::array<double, 2 * kPixels> exact_;  ///< all x, then all y
+  alignas(64) std::array<Value, 2 * kPixels> other_;  ///< if they are at other places
+  std::array<double, 2 * kPixels> exact_;             ///< all x, then all y
   bool has_exact_ = false;
 };
 

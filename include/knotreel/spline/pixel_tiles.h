@@ -21,9 +21,10 @@ class PixelTiles {
   /// @param places of the pixels in the domain, row-major, each on the side of a feature on which it is; or
   ///               none: all at their centres.
   /// @param wanted one per function: pieces of functions that are all 0 here are left out; or none: all.
+  /// @param slack pixels by which places may still move: pieces as far away are listed, too.
   /// @throws Error{kInvalidArgument} if sizes do not fit.
   PixelTiles(const Basis& basis, int width, int height, std::span<const Vec2> places,
-             std::span<const std::uint8_t> wanted = {});
+             std::span<const std::uint8_t> wanted = {}, double slack = 0);
 
   const Basis& basis() const { return *basis_; }
   int width() const { return width_; }
@@ -84,7 +85,7 @@ class PixelTiles {
 
   bool is_moved(std::size_t tile) const;
   void find_moved();
-  void list_pieces(std::span<const std::uint8_t> wanted);
+  void list_pieces(std::span<const std::uint8_t> wanted, double slack);
 
   const Basis* basis_;
   int width_;

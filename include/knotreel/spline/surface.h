@@ -30,6 +30,13 @@ template <class Value>
 void surface_of_tile(const PixelTiles& tiles, std::size_t tile, const Control& control,
                      TileSurface<Value>& out);
 
+/// The same with the pixels of the tile at other places, not further away than the tiles have slack.
+/// @param places row by row; those beside the picture anywhere near.
+template <class Value>
+void surface_of_tile(const PixelTiles& tiles, std::size_t tile,
+                     std::span<const Vec2, PixelTiles::kTilePixels> places, const Control& control,
+                     TileSurface<Value>& out);
+
 /// The same for all tiles: calls visit(index of the tile, surface), in any order, on all threads allowed.
 /// @param skipped by tile: 1 for those that are left out; or none.
 template <class Value>
