@@ -279,7 +279,7 @@ class Tracker::Impl {
     laps_->lap("difficulty");
     if (expected < report_->psnr + options_.restart_gain) return nullptr;
     std::shared_ptr<ColdFrame> cold = make_cold_frame(picture, cold_, options_.colour_step);
-    laps_->lap("cold");
+    laps_->add(std::exchange(cold->milliseconds, {}));
     const Quality quality =
         quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture.channels);
     if (quality.psnr > report_->psnr + options_.restart_gain) return cold;

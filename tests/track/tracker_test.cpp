@@ -512,6 +512,8 @@ TEST(Tracker, AFrameIsMadeAnewWhenThatPromisesMoreThoughNothingFell) {
   const Tracked run = track(fade_in(), options, 1);
   for (std::size_t i = 1; i < 4; ++i) EXPECT_EQ(run.reports[i].start, Start::kWarm) << i;
   EXPECT_EQ(run.reports[4].start, Start::kDrift);
+  const auto is_cold = [](const auto& lap) { return lap.first == "cold"; };
+  EXPECT_EQ(std::ranges::count_if(run.reports[4].milliseconds, is_cold), 1);  // its time counts once
   options.look_interval = 100;
   const Tracked never = track(fade_in(), options, 1);
   for (std::size_t i = 1; i < 8; ++i) EXPECT_EQ(never.reports[i].start, Start::kWarm) << i;
