@@ -159,6 +159,7 @@ void Folds::add_terms(std::span<Batch> batches) const {
     for (const Vec2 p : batch.places) all.add(p);
   }
   std::vector<spline::TermIndex::Entry> terms;
+  if (all.low.x > all.high.x) return;  // no sample is in the domain
   index.in_box(all.low, all.high, terms);
   // The others change nothing: what is not displaced does not get so by shrinking.
   std::erase_if(terms, [&](const spline::TermIndex::Entry& e) { return !motions_[e.piece].any; });
