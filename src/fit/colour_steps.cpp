@@ -13,6 +13,7 @@ namespace knotreel::fit {
 namespace {
 
 constexpr int kMostSweeps = 4;  // later ones move one in a thousand
+constexpr std::size_t kGreen = 1;
 
 /// A symmetric matrix by rows, without its diagonal.
 struct Rows {
@@ -116,7 +117,8 @@ void descend_in_steps(const Eigen::SparseMatrix<double>& lower, const Eigen::Mat
     throw Error(ErrorKind::kInvalidArgument, "sizes of a linear system do not fit each other");
   const Rows rows = rows_of(lower);
   const std::vector<double> reluctance = reluctance_of(rows.diagonal, options);
-  parallel_for(channels, [&](std::size_t c) {
+  std::vector<double> lead(n, 0.0);  // how far green goes, in steps
+  const auto descend_channel = [&](std::size_t c, bool follows) {
     std::vector<double> x(n);
     std::vector<double> residual(n);
     std::vector<double> old(n, std::numeric_limits<double>::quiet_NaN());
@@ -124,9 +126,18 @@ void descend_in_steps(const Eigen::SparseMatrix<double>& lower, const Eigen::Mat
       x[i] = control[i * channels + c] / options.step;
       residual[i] = right(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(c)) / options.step;
       if (!before.empty()) old[i] = std::round(before[i * channels + c] / options.step);
+      if (follows) old[i] += lead[i];
     }
     descend(rows, moving, old, reluctance, x, residual);
     for (std::size_t i = 0; i < n; ++i) control[i * channels + c] = x[i] * options.step;
+    if (channels < 3 || c != kGreen) return;
+    for (std::size_t i = 0; i < n; ++i) lead[i] = std::isnan(old[i]) ? 0 : x[i] - old[i];
+  };
+  if (channels < 3) return parallel_for(channels, [&](std::size_t c) { descend_channel(c, false); });
+  descend_channel(kGreen, false);
+  parallel_for(channels - 1, [&](std::size_t i) {
+    const std::size_t c = i < kGreen ? i : i + 1;
+    descend_channel(c, c < 3);
   });
 }
 

@@ -19,13 +19,15 @@ struct ColourSteps {
 /// c^T A c - 2 b^T c + step * sum of reluctance_i max(A_ii, least) |c_i - before_i|: each is rounded, then
 /// one after the other goes to the multiple that is best given those around it, until none moves (a few
 /// sweeps). So what is lost by rounding one is made up for by its neighbours, and one that is hardly better
-/// elsewhere stays. In the sum, before_i is rounded too.
+/// elsewhere stays. In the sum, before_i is rounded too. Where there are colours, green goes first, and
+/// before_i of red and blue moves as far as green has: light that changes is one change, as it is for
+/// documents.
 /// @param lower  the lower half of A, functions x functions; the diagonal is there and positive.
 /// @param right  b, functions x channels.
 /// @param moving one per function: 0 for those that are only rounded.
 /// @param before control points, function by function, that these had; NaN: none. Or empty.
 /// @param control the solution of A c = b or near it, as `before`; the result.
-/// Parallel over channels; same bits for any number of threads.
+/// Parallel over channels but green; same bits for any number of threads.
 /// @throws Error{kInvalidArgument} if sizes do not fit each other.
 void descend_in_steps(const Eigen::SparseMatrix<double>& lower, const Eigen::MatrixXd& right,
                       std::span<const std::uint8_t> moving, std::span<const double> before,

@@ -48,18 +48,33 @@ std::vector<double> numbers(const RowMajor& m) {
   return {m.data(), m.data() + m.size()};
 }
 
+/// Where control points would rather be: red and blue as far from where they were as green is.
+std::vector<double> references(const std::vector<double>& control, const std::vector<double>& before,
+                               std::size_t channels) {
+  std::vector<double> result = before;
+  for (double& b : result) b = std::round(b / kColourStep) * kColourStep;
+  for (std::size_t i = 0; channels >= 3 && i < result.size(); i += channels) {
+    if (std::isnan(result[i + 1])) continue;
+    const double lead = control[i + 1] - result[i + 1];
+    result[i] += lead;
+    result[i + 2] += lead;
+  }
+  return result;
+}
+
 /// What descend_in_steps() makes small, of all channels.
-double objective(const System& s, const std::vector<double>& control, const std::vector<double>& before,
+/// @param reference NaN: none. Or empty.
+double objective(const System& s, const std::vector<double>& control, const std::vector<double>& reference,
                  double reluctance) {
   const Eigen::Map<const RowMajor> c(control.data(), s.right.rows(), s.right.cols());
   const Eigen::MatrixXd ac = s.lower.selfadjointView<Eigen::Lower>() * Eigen::MatrixXd(c);
   const double least = ColourSteps{}.least_weight * s.lower.diagonal().mean();
   double sum = (c.array() * (ac - 2 * s.right).array()).sum();
-  for (std::size_t i = 0; i < before.size(); ++i) {
-    if (std::isnan(before[i])) continue;
+  for (std::size_t i = 0; i < reference.size(); ++i) {
+    if (std::isnan(reference[i])) continue;
     const auto row = static_cast<Eigen::Index>(i) / s.right.cols();
-    const double old = std::round(before[i] / kColourStep) * kColourStep;
-    sum += reluctance * kColourStep * std::max(least, s.lower.coeff(row, row)) * std::abs(control[i] - old);
+    sum += reluctance * kColourStep * std::max(least, s.lower.coeff(row, row)) *
+           std::abs(control[i] - reference[i]);
   }
   return sum;
 }
@@ -83,14 +98,15 @@ TEST(ColourSteps, AreMultiplesThatNoOtherOneNextToThemBeats) {
       for (int k = 0; k < 5; ++k)
         descend_in_steps(s.lower, s.right, moving, before, {kColourStep, std::vector<double>(40, reluctance)},
                          control);
-      const double least = objective(s, control, before, reluctance);
-      EXPECT_LT(least, objective(s, rounded(numbers(s.solution)), before, reluctance));
+      const std::vector<double> reference = references(control, before, static_cast<std::size_t>(channels));
+      const double least = objective(s, control, reference, reluctance);
+      EXPECT_LT(least, objective(s, rounded(numbers(s.solution)), reference, reluctance));
       for (std::size_t i = 0; i < control.size(); ++i) {
         EXPECT_EQ(control[i], std::round(control[i] / kColourStep) * kColourStep);
         for (const double step : {-kColourStep, kColourStep}) {
           std::vector<double> other = control;
           other[i] += step;
-          EXPECT_GT(objective(s, other, before, reluctance), least - 1e-6) << i << ' ' << reluctance;
+          EXPECT_GT(objective(s, other, reference, reluctance), least - 1e-6) << i << ' ' << reluctance;
         }
       }
     }
@@ -126,6 +142,27 @@ TEST(ColourSteps, StayForChangesThatAreNotWorthIt) {
     } else {
       EXPECT_EQ(control[i], before[i]) << i;
     }
+  }
+}
+
+/// Red and blue would not be worth a step each by themselves.
+TEST(ColourSteps, RedAndBlueGoWhereGreenGoes) {
+  constexpr double kReluctance = 1.5;
+  const Eigen::MatrixXd diagonal = Eigen::MatrixXd::Identity(2, 2);
+  for (const double green : {0.0, 4 * kColourStep}) {
+    RowMajor wanted(2, 4);
+    wanted << 60 + 1.2 * kColourStep, 90 + green, 120 + 1.2 * kColourStep, 30 + 1.2 * kColourStep, 60, 90,
+        120, 30;
+    const std::vector<double> before{60, 90, 120, 30, 60, 90, 120, 30};
+    std::vector<double> control = numbers(wanted);
+    descend_in_steps(diagonal.sparseView(), diagonal * Eigen::MatrixXd(wanted),
+                     std::vector<std::uint8_t>(2, 1), before,
+                     {kColourStep, std::vector<double>(2, kReluctance)}, control);
+    // Of four steps 0.75 are the price of leaving; the others are 1.2 steps from where they were, alpha too.
+    const double lead = green == 0 ? 0 : 3 * kColourStep;
+    const double others = green == 0 ? 0 : 2 * kColourStep;
+    EXPECT_EQ(control, (std::vector<double>{60 + others, 90 + lead, 120 + others, 30, 60, 90, 120, 30}))
+        << green;
   }
 }
 

@@ -267,6 +267,7 @@ TEST(Tracker, WhatIsAtRestStaysAsItIs) {
   std::map<std::uint32_t, Vec2> knots;
   std::shared_ptr<const spline::PixelSurface> drawn;
   std::array<double, 2> softness{};  // of the two frames before
+  bool is_bent = false;              // in the frame before, for new features: all curves are then
   int compared = 0;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     std::optional<Motion> motion;
@@ -285,7 +286,9 @@ TEST(Tracker, WhatIsAtRestStaysAsItIs) {
         for (std::size_t n = std::size_t(y) * 720 + 3 * 220; n < std::size_t(y + 1) * 720; ++n)
           changed += tracker.surface()->colours[n] != drawn->colours[n] ? 1 : 0;
       }
-      if (softness[0] == softness[1]) {  // else edges are fitted anew everywhere
+      const bool was_bent = std::exchange(is_bent, report.changes.features_born > 0);
+      // Else edges are fitted anew everywhere. Colours at bent curves settle with the second fit.
+      if (softness[0] == softness[1] && !is_bent && !was_bent) {
         ++compared;
         EXPECT_EQ(changed, 0u) << i;
       }

@@ -47,7 +47,7 @@ struct TrackOptions {
   /// was worse by repair_below, there is one in every frame for a while.
   int bend_interval = 2;
   double curve_error = 0.15;  ///< root mean square miss of the feature curves that they are bent for, pixels
-  double reluctance = 0.5;    ///< of control points to change their colours (fit::ColourFitOptions) ...
+  double reluctance = 0.6;    ///< of control points to change their colours (fit::ColourFitOptions) ...
   double reluctance_error = 2;  ///< ... and less where the frame before was missed by less than this, levels
   CarryOptions carry{};
   knots::SwapOptions swap{};
