@@ -14,6 +14,7 @@ namespace {
 
 constexpr int kMostSweeps = 4;  // later ones move one in a thousand
 constexpr std::size_t kGreen = 1;
+constexpr double kGreenLeads = 4.0 / 3;  // the reluctance that it has for all three, where there are colours
 
 /// A symmetric matrix by rows, without its diagonal.
 struct Rows {
@@ -117,6 +118,10 @@ void descend_in_steps(const Eigen::SparseMatrix<double>& lower, const Eigen::Mat
     throw Error(ErrorKind::kInvalidArgument, "sizes of a linear system do not fit each other");
   const Rows rows = rows_of(lower);
   const std::vector<double> reluctance = reluctance_of(rows.diagonal, options);
+  std::vector<double> of_green = reluctance;
+  if (channels >= 3) {
+    for (double& r : of_green) r *= kGreenLeads;
+  }
   std::vector<double> lead(n, 0.0);  // how far green goes, in steps
   const auto descend_channel = [&](std::size_t c, bool follows) {
     std::vector<double> x(n);
@@ -128,7 +133,7 @@ void descend_in_steps(const Eigen::SparseMatrix<double>& lower, const Eigen::Mat
       if (!before.empty()) old[i] = std::round(before[i * channels + c] / options.step);
       if (follows) old[i] += lead[i];
     }
-    descend(rows, moving, old, reluctance, x, residual);
+    descend(rows, moving, old, c == kGreen ? of_green : reluctance, x, residual);
     for (std::size_t i = 0; i < n; ++i) control[i * channels + c] = x[i] * options.step;
     if (channels < 3 || c != kGreen) return;
     for (std::size_t i = 0; i < n; ++i) lead[i] = std::isnan(old[i]) ? 0 : x[i] - old[i];

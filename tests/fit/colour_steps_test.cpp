@@ -73,7 +73,8 @@ double objective(const System& s, const std::vector<double>& control, const std:
   for (std::size_t i = 0; i < reference.size(); ++i) {
     if (std::isnan(reference[i])) continue;
     const auto row = static_cast<Eigen::Index>(i) / s.right.cols();
-    sum += reluctance * kColourStep * std::max(least, s.lower.coeff(row, row)) *
+    const bool leads = s.right.cols() >= 3 && static_cast<Eigen::Index>(i) % s.right.cols() == 1;
+    sum += (leads ? 4.0 / 3 : 1.0) * reluctance * kColourStep * std::max(least, s.lower.coeff(row, row)) *
            std::abs(control[i] - reference[i]);
   }
   return sum;
@@ -158,7 +159,7 @@ TEST(ColourSteps, RedAndBlueGoWhereGreenGoes) {
     descend_in_steps(diagonal.sparseView(), diagonal * Eigen::MatrixXd(wanted),
                      std::vector<std::uint8_t>(2, 1), before,
                      {kColourStep, std::vector<double>(2, kReluctance)}, control);
-    // Of four steps 0.75 are the price of leaving; the others are 1.2 steps from where they were, alpha too.
+    // Of four steps one is the price of leaving, of those of the others 0.75.
     const double lead = green == 0 ? 0 : 3 * kColourStep;
     const double others = green == 0 ? 0 : 2 * kColourStep;
     EXPECT_EQ(control, (std::vector<double>{60 + others, 90 + lead, 120 + others, 30, 60, 90, 120, 30}))
