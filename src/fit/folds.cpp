@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 
+#include "base/box.h"
 #include "base/multiversion.h"
 #include "knotreel/base/parallel.h"
 #include "spline/jet.h"
@@ -20,16 +21,6 @@ using Plane = spline::PlaneIn<float>;
 constexpr double kAlong = 0.75;  // pixels between samples along a feature
 /// Pixels from the feature, but not on it: then no sample is on a wall.
 constexpr double kAcross[] = {1e-3, 0.7, 1.5, 3.0};
-
-struct Box {
-  Vec2 low{1e300, 1e300};
-  Vec2 high{-1e300, -1e300};
-
-  void add(Vec2 p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-  }
-};
 
 Box box_of(std::span<const Vec2> places) {
   Box box;

@@ -148,9 +148,7 @@ class Search {
  public:
   Search(const spline::Basis& basis, std::span<const Vec2> displacement, int width, int height,
          const KnownPlaces& known)
-      : basis_(basis),
-        displacement_(displacement),
-        width_(width),
+      : width_(width),
         height_(height),
         known_(known),
         map_(basis, displacement),
@@ -293,8 +291,6 @@ class Search {
   static constexpr double kLeastBend = 0.02;  ///< that is reckoned with, pixels per pixel
   static constexpr std::size_t kBlock = 64;
 
-  const spline::Basis& basis_;
-  std::span<const Vec2> displacement_;
   int width_;
   int height_;
   KnownPlaces known_;

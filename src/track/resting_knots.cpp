@@ -1,22 +1,12 @@
 #include "track/resting_knots.h"
 
-#include <algorithm>
+#include "base/box.h"
 
 namespace knotreel::track {
 
 namespace {
 
 constexpr Vec2 kAround{4, 4};  // pixels
-
-struct Box {
-  Vec2 low{1e300, 1e300};
-  Vec2 high{-1e300, -1e300};
-
-  void add(Vec2 p) {
-    low = {std::min(low.x, p.x), std::min(low.y, p.y)};
-    high = {std::max(high.x, p.x), std::max(high.y, p.y)};
-  }
-};
 
 }  // namespace
 
