@@ -47,11 +47,17 @@ void copy_stream(const AVStream& from, AVFormatContext& output) {
   copy_side_data(from, *stream, [](AVPacketSideDataType) { return true; });
 }
 
+/// False where it is certain. A container that does not know and has no sound of its own, such as rawvideo, is
+/// a row of pictures, in which any other packet would be taken for one.
+bool may_take(const AVOutputFormat& container, AVCodecID id) {
+  if (id == AV_CODEC_ID_NONE) return false;
+  const int answer = avformat_query_codec(&container, id, FF_COMPLIANCE_NORMAL);
+  return answer > 0 || (answer < 0 && container.audio_codec != AV_CODEC_ID_NONE);
+}
+
 /// Muxers tell what they cannot hold when the header is written; so one is written, into memory.
 bool takes(const AVFormatContext& output, const AVStream& candidate) {
-  const AVCodecID id = candidate.codecpar->codec_id;
-  if (id == AV_CODEC_ID_NONE || avformat_query_codec(output.oformat, id, FF_COMPLIANCE_NORMAL) == 0)
-    return false;
+  if (!may_take(*output.oformat, candidate.codecpar->codec_id)) return false;
   AVFormatContext* made = nullptr;
   if (avformat_alloc_output_context2(&made, output.oformat, nullptr, nullptr) < 0) throw std::bad_alloc();
   const std::unique_ptr<AVFormatContext, ContextDeleter> trial(made);

@@ -68,6 +68,16 @@ TEST(Copies, WhatTheContainerDoesNotTakeIsLeftOutAndTold) {
   }
 }
 
+TEST(Copies, AreNotAmongTheBytesOfRawPictures) {
+  const TempDir dir;
+  write_sound_clip(dir / "a.mp4", "aac", true);
+  EXPECT_EQ(copy_clip(dir / "a.mp4", dir / "b.yuv").size(), 1u);
+  ReadOptions silent;
+  silent.copy_streams = false;
+  EXPECT_TRUE(copy_clip(dir / "a.mp4", dir / "silent.yuv", silent).empty());
+  EXPECT_EQ(std::filesystem::file_size(dir / "b.yuv"), std::filesystem::file_size(dir / "silent.yuv"));
+}
+
 TEST(Copies, AreNotReadIfNotWanted) {
   const TempDir dir;
   write_sound_clip(dir / "a.mp4", "aac", true);
