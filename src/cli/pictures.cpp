@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/file_names.h"
 #include "cli/interrupt.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
@@ -42,8 +43,7 @@ bool is_picture(const std::filesystem::path& path) {
   if (path == "-" || is_named_pipe(path)) return true;
   const std::vector<std::byte> start = read_start(path, video::kPictureStart);
   if (image::detect_format(start)) return video::holds_one_picture(start, path.string());
-  const std::string extension = path.extension().string();
-  return !extension.empty() && image::format_of_extension(extension.substr(1)).has_value();
+  return has_picture_name(path);
 }
 
 document::Reader open_document(const std::filesystem::path& path) {

@@ -9,6 +9,7 @@
 
 #include "cli/command.h"
 #include "cli/distinct_paths.h"
+#include "cli/file_names.h"
 #include "cli/interrupt.h"
 #include "cli/output_size.h"
 #include "cli/pictures.h"
@@ -158,12 +159,9 @@ void check_copied(const RenderVideo& arguments) {
 
 bool is_video_output(const std::string& output, const std::string& format) {
   if (video::number_pattern(output)) return true;
-  const std::string name = std::filesystem::path(output).filename().string();
-  const std::string extension = std::filesystem::path(name).extension().string();
-  const bool picture_name = !extension.empty() && image::format_of_extension(extension.substr(1));
   if (format == "null" || format == "hash") return true;
-  if (!format.empty()) return !picture_name && !image::format_of_extension(format);
-  return !extension.empty() && !picture_name;
+  if (!format.empty()) return !has_picture_name(output) && !image::format_of_extension(format);
+  return std::filesystem::path(output).has_extension() && !has_picture_name(output);
 }
 
 void render_video(const RenderVideo& arguments) {

@@ -8,6 +8,7 @@
 #include "cli/command.h"
 #include "cli/debug/debug_pictures.h"
 #include "cli/distinct_paths.h"
+#include "cli/file_names.h"
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
 #include "cli/pictures.h"
@@ -120,6 +121,7 @@ nlohmann::ordered_json stats_json(const VectorizeArguments& arguments, const ima
 
 void vectorize_picture(const VectorizeArguments& arguments) {
   check_paths({arguments.input}, outputs_of(arguments));
+  check_document_name(arguments.output);
   const ThreadCap cap(arguments.threads);
   StageTimer timer;
   image::ImageFileInfo source;

@@ -9,6 +9,7 @@
 
 #include "cli/command.h"
 #include "cli/debug/video_debug.h"
+#include "cli/file_names.h"
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
 #include "cli/output_size.h"
@@ -107,10 +108,9 @@ bool is_video(const std::string& input, const VideoInputOptions& options) {
   if (fs::is_directory(input, ignored) || input.find("://") != std::string::npos) return true;
   if (!fs::exists(input, ignored)) return video::means_pictures(input);
   if (!fs::is_regular_file(input, ignored)) return false;
-  const std::string extension = fs::path(input).extension().string();
   const std::vector<std::byte> start = read_start(input, video::kPictureStart);
   if (image::detect_format(start)) return !video::holds_one_picture(start, input);
-  return !extension.empty() && !image::format_of_extension(extension.substr(1));
+  return fs::path(input).has_extension() && !has_picture_name(input);
 }
 
 std::vector<Output> outputs_of(const VideoRun& run) {
@@ -129,6 +129,7 @@ std::vector<Output> outputs_of(const VideoRun& run) {
 
 pipeline::Summary run_video(const VideoRun& run) {
   check_paths({run.input}, outputs_of(run));
+  check_document_name(run.document);
   const ThreadCap cap(run.threads);
   video::VideoReader reader = video::VideoReader::open(run.input, read_options(run.reading, run.threads));
   pipeline::Job job = make_job(run, reader);

@@ -47,8 +47,8 @@ void copy_stream(const AVStream& from, AVFormatContext& output) {
   copy_side_data(from, *stream, [](AVPacketSideDataType) { return true; });
 }
 
-/// False where it is certain. A container that does not know and has no sound of its own, such as rawvideo, is
-/// a row of pictures, in which any other packet would be taken for one.
+/// False where it is certain. A container that does not know and has no sound of its own, such as rawvideo,
+/// is a row of pictures, in which any other packet would be taken for one.
 bool may_take(const AVOutputFormat& container, AVCodecID id) {
   if (id == AV_CODEC_ID_NONE) return false;
   const int answer = avformat_query_codec(&container, id, FF_COMPLIANCE_NORMAL);

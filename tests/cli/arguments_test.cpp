@@ -1,3 +1,6 @@
+#include <filesystem>
+#include <utility>
+
 #include "program.h"
 
 namespace knotreel {
@@ -53,6 +56,23 @@ TEST(Cli, VersionNamesTheLibraries) {
   EXPECT_TRUE(result.out.starts_with("knotreel " KNOTREEL_VERSION " (")) << result.out;
   for (const char* library : {"OpenCV", "CGAL", "Eigen", "oneTBB", "libpng"}) {
     EXPECT_NE(result.out.find(library), std::string::npos) << library;
+  }
+}
+
+TEST(Cli, NoDocumentIsCalledAsADrawingOrAVideo) {
+  const Sample sample;
+  for (const auto& [name, command] :
+       {std::pair{"x.svg", "export"}, {"x.PDF", "export"}, {"x.png", "render"}, {"x.mp4", "render"}}) {
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{"vectorize", sample.picture, "-o"},
+          {"transcode", sample.picture, "-o", sample.path("y.mkv"), "--document"}}) {
+      std::vector<std::string> all = arguments;
+      all.push_back(sample.path(name));
+      const auto result = test::knotreel(all);
+      expect_failure(result, 2);
+      EXPECT_NE(result.err.find(std::string("'") + command + " x.tcb -o "), std::string::npos) << result.err;
+      EXPECT_FALSE(std::filesystem::exists(sample.path(name)));
+    }
   }
 }
 

@@ -1,13 +1,13 @@
 #include "cli/batch/inputs.h"
 
 #include <algorithm>
-#include <cctype>
 #include <filesystem>
 #include <map>
 #include <set>
 #include <sstream>
 #include <string_view>
 
+#include "cli/file_names.h"
 #include "cli/pictures.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
@@ -33,21 +33,14 @@ bool looks_like_picture(const fs::path& path) {
   try {
     return is_picture(path);
   } catch (const Error&) {
-    const std::string extension = path.extension().string();
-    return !extension.empty() && image::format_of_extension(extension.substr(1)).has_value();
+    return has_picture_name(path);
   }
 }
 
 /// By the name alone: nearly any file can be tried as a video, and that takes long. But for pictures that
 /// move.
 bool looks_like_clip(const fs::path& path) {
-  static const std::set<std::string> kExtensions{
-      ".3gp", ".apng", ".asf", ".avi", ".f4v", ".flv",   ".gif",  ".h264", ".h265", ".hevc",
-      ".ivf", ".m2ts", ".m4v", ".mkv", ".m2v", ".mjpeg", ".mjpg", ".mov",  ".mp4",  ".mpeg",
-      ".mpg", ".mts",  ".mxf", ".nut", ".ogv", ".ts",    ".vob",  ".webm", ".wmv",  ".y4m"};
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return kExtensions.contains(extension) || (extension == ".png" && !looks_like_picture(path));
+  return has_clip_name(path) || (has_picture_name(path) && !looks_like_picture(path));
 }
 
 bool is_hidden(const fs::path& path) {

@@ -1,0 +1,43 @@
+#include "cli/file_names.h"
+
+#include <algorithm>
+#include <set>
+
+#include "knotreel/base/error.h"
+#include "knotreel/image/format.h"
+
+namespace knotreel::cli {
+namespace {
+
+std::string lower_extension(const std::filesystem::path& path) {
+  std::string extension = path.extension().string();
+  for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
+  return extension;
+}
+
+}  // namespace
+
+bool has_picture_name(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  return !extension.empty() && image::format_of_extension(extension.substr(1)).has_value();
+}
+
+bool has_clip_name(const std::filesystem::path& path) {
+  static const std::set<std::string> kExtensions{
+      ".3gp", ".apng", ".asf", ".avi", ".f4v", ".flv",   ".gif",  ".h264", ".h265", ".hevc",
+      ".ivf", ".m2ts", ".m4v", ".mkv", ".m2v", ".mjpeg", ".mjpg", ".mov",  ".mp4",  ".mpeg",
+      ".mpg", ".mts",  ".mxf", ".nut", ".ogv", ".ts",    ".vob",  ".webm", ".wmv",  ".y4m"};
+  return kExtensions.contains(lower_extension(path));
+}
+
+void check_document_name(const std::string& name) {
+  const std::string extension = lower_extension(name);
+  const bool drawing = extension == ".svg" || extension == ".pdf";
+  if (!drawing && !has_picture_name(name) && !has_clip_name(name)) return;
+  const char* command = drawing ? "export" : "render";
+  throw Error(ErrorKind::kInvalidArgument, "'" + name +
+                                               "' is no name for a vector document, such as x.tcb; '" +
+                                               command + " x.tcb -o " + name + "' makes the other from one");
+}
+
+}  // namespace knotreel::cli

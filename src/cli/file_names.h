@@ -1,0 +1,19 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+/// What the extension of a file's name promises, in any case of its letters.
+namespace knotreel::cli {
+
+/// That the file is a picture of a format that image::format_of_extension() knows.
+bool has_picture_name(const std::filesystem::path& path);
+
+/// That it is a video, or a picture that moves.
+bool has_clip_name(const std::filesystem::path& path);
+
+/// To be called before a document is made, which may have any name but that of something else.
+/// @throws Error{kInvalidArgument} that tells which command writes what the name promises.
+void check_document_name(const std::string& name);
+
+}  // namespace knotreel::cli
