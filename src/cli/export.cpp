@@ -1,16 +1,24 @@
+#include <algorithm>
+#include <chrono>
 #include <filesystem>
 #include <memory>
 #include <optional>
+#include <vector>
 
 #include "cli/command.h"
 #include "cli/distinct_paths.h"
+#include "cli/document_part.h"
 #include "cli/interrupt.h"
+#include "cli/part_options.h"
 #include "cli/pictures.h"
+#include "cli/video_options.h"
+#include "cli/video_report.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/output_file.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/export/pdf.h"
 #include "knotreel/export/svg.h"
+#include "knotreel/video/picture_list.h"
 
 namespace knotreel::cli {
 namespace {
@@ -20,12 +28,14 @@ constexpr std::uint64_t kLargeSvgBytes = 20'000'000;
 // Default colour tolerances: hardly to be told from the surface; and what keeps SVG at some megabytes.
 constexpr double kPdfTolerance = 2;
 constexpr double kSvgTolerance = 8;
+constexpr std::size_t kAtOnce = 16;  // frames of a sequence
 
 struct ExportArguments {
   std::string input;
   std::string output;
   std::string format;
   std::uint64_t frame = 0;
+  PartOptions part;  ///< of which there is a numbered picture each
   double scale = 1;
   std::optional<double> colour_tolerance;
   double geometry_tolerance = 0.1;
@@ -43,10 +53,7 @@ std::string format_of(const ExportArguments& arguments) {
               "export writes pdf and svg; name the output so or give --format: '" + arguments.output + "'");
 }
 
-void export_frame(const ExportArguments& arguments) {
-  check_paths({arguments.input}, {{arguments.output}});
-  const ThreadCap cap(arguments.threads);
-  const std::string format = format_of(arguments);
+exporting::ExportOptions options_of(const ExportArguments& arguments, const std::string& format) {
   exporting::ExportOptions options;
   options.scale = arguments.scale;
   options.tessellation.colour_tolerance =
@@ -54,21 +61,90 @@ void export_frame(const ExportArguments& arguments) {
   options.tessellation.geometry_tolerance = arguments.geometry_tolerance;
   options.max_triangles = arguments.max_triangles;
   options.checkpoint = check_interrupted;
+  return options;
+}
 
-  document::Reader reader = open_document(arguments.input);
-  const document::FrameModel model = read_frame(reader, arguments.frame);
-  options.turn = turn_of(reader);
-  OutputFile file(arguments.output);
+/// @returns the size of the file in bytes.
+std::uint64_t write_frame(const document::FrameModel& model, const exporting::ExportOptions& options,
+                          const std::string& format, const std::filesystem::path& path) {
+  OutputFile file(path);
   if (format == "pdf") {
     write_pdf(model, options, file);
   } else {
     write_svg(model, options, file);
   }
   file.commit();
-  if (format == "svg" && file.size() > kLargeSvgBytes) {
-    warn("the SVG has " + std::to_string(file.size() / 1'000'000) +
-         " MB, which many programs show slowly; a larger --colour-tolerance makes it smaller, PDF much "
-         "smaller");
+  return file.size();
+}
+
+void warn_if_large(std::uint64_t bytes, const std::string& format) {
+  if (format != "svg" || bytes <= kLargeSvgBytes) return;
+  warn("the SVG has " + std::to_string(bytes / 1'000'000) +
+       " MB, which many programs show slowly; a larger --colour-tolerance makes it smaller, PDF much "
+       "smaller");
+}
+
+void export_one(const ExportArguments& arguments, document::Reader& reader,
+                const exporting::ExportOptions& options, const std::string& format) {
+  warn_if_large(write_frame(read_frame(reader, arguments.frame), options, format, arguments.output), format);
+}
+
+/// Frames are read in turn, since most are changes to the one before, and written several at once.
+void export_all(const ExportArguments& arguments, document::Reader& reader,
+                const exporting::ExportOptions& options, const std::string& format,
+                const video::NumberPattern& names) {
+  const FrameRange range = frames_of(reader, part_of(arguments.part));
+  const std::size_t count = frames_in(range, reader);
+  VideoLine line(count);
+  const std::filesystem::path folder = std::filesystem::path(arguments.output).parent_path();
+  const auto start = std::chrono::steady_clock::now();
+  std::uint64_t largest = 0;
+  for (std::size_t done = 0; done < count;) {
+    std::vector<document::FrameModel> models;
+    while (models.size() < kAtOnce && done + models.size() < count) {
+      models.push_back(read_frame(reader, range.first + done + models.size()));
+    }
+    std::vector<std::uint64_t> bytes(models.size());
+    parallel_for(models.size(), [&](std::size_t i) {
+      bytes[i] = write_frame(models[i], options, format, folder / names.name(done + i + 1));
+    });
+    largest = std::max(largest, *std::max_element(bytes.begin(), bytes.end()));
+    done += models.size();
+    pipeline::FrameRow row;
+    row.index = done - 1;
+    row.knots = models.back().space->mesh().knots.size();
+    row.finished_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+    line.show(row);
+  }
+  warn_if_large(largest, format);
+}
+
+/// Options that would be without effect are refused: a picture of another frame looks right.
+void check_kind(const CLI::App& command, bool several) {
+  if (several && command.count("--frame") > 0) {
+    throw Error(ErrorKind::kInvalidArgument,
+                "--frame is for one picture; use --frames for a numbered one each");
+  }
+  for (const std::string& name : options_given(command, kVideoGroup)) {
+    if (several) break;
+    throw Error(ErrorKind::kInvalidArgument,
+                name + " is for numbered pictures, such as frame_%04d.svg; use --frame for one");
+  }
+}
+
+void run_export(const CLI::App& command, const ExportArguments& arguments) {
+  const std::optional<video::NumberPattern> names = video::number_pattern(arguments.output);
+  check_kind(command, names.has_value());
+  check_paths({arguments.input}, {video_output(arguments.output)});
+  const ThreadCap cap(arguments.threads);
+  const std::string format = format_of(arguments);
+  exporting::ExportOptions options = options_of(arguments, format);
+  document::Reader reader = open_document(arguments.input);
+  options.turn = turn_of(reader);
+  if (names) {
+    export_all(arguments, reader, options, format, *names);
+  } else {
+    export_one(arguments, reader, options, format);
   }
 }
 
@@ -78,20 +154,22 @@ small pieces, and at equal tolerance the file is about a hundred times as large.
 Examples:
   knotreel export photo.tcb -o photo.pdf
   knotreel export photo.tcb -o poster.pdf --scale 4 --colour-tolerance 1
-  knotreel export photo.tcb -o small.svg --colour-tolerance 16)";
+  knotreel export photo.tcb -o small.svg --colour-tolerance 16
+  knotreel export clip.tcb -o frame_%04d.svg --frames 0-24)";
 
 }  // namespace
 
 void add_export_command(CLI::App& program) {
-  CLI::App* command = program.add_subcommand(
-      "export", "Write a frame of a vector document as PDF or SVG, for other programs");
+  CLI::App* command =
+      program.add_subcommand("export", "Write frames of a vector document as PDF or SVG, for other programs");
   const auto arguments = std::make_shared<ExportArguments>();
   command->add_option("FILE", arguments->input, "Vector document (.tcb); '-': standard input")
       ->type_name("")
       ->required();
   command
       ->add_option("-o,--output", arguments->output,
-                   "File to write; its name says the format: pdf or svg. '-': standard\noutput")
+                   "File to write; its name says the format: pdf or svg. frame_%04d.svg means\n"
+                   "one per frame. '-': standard output")
       ->type_name("FILE")
       ->required();
   add_frame_option(*command, arguments->frame, "Frame of a sequence, counted from 0");
@@ -120,8 +198,11 @@ void add_export_command(CLI::App& program) {
       ->check(CLI::IsMember({"pdf", "svg"}).description(""))
       ->type_name("NAME");
   add_threads_option(*command, arguments->threads);
+  command->option_defaults()->group(kVideoGroup);
+  add_part_options(*command, arguments->part, "Only these frames, counted from 0; A- is up to the end");
+  command->option_defaults()->group("Options");
   command->footer(kExportFooter);
-  command->callback([arguments] { export_frame(*arguments); });
+  command->callback([command, arguments] { run_export(*command, *arguments); });
 }
 
 }  // namespace knotreel::cli

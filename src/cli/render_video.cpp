@@ -3,12 +3,12 @@
 #include <fmt/core.h>
 
 #include <algorithm>
-#include <cmath>
 #include <filesystem>
 #include <optional>
 
 #include "cli/command.h"
 #include "cli/distinct_paths.h"
+#include "cli/document_part.h"
 #include "cli/file_names.h"
 #include "cli/interrupt.h"
 #include "cli/output_size.h"
@@ -25,36 +25,12 @@
 namespace knotreel::cli {
 namespace {
 
-/// Times count from the first frame, as in videos.
-void choose_part(const video::Part& part, pipeline::RenderJob& job) {
-  constexpr double kSameTime = 1e-6;  // seconds
-  const document::Reader& reader = *job.reader;
-  job.first = part.first;
-  if (part.count > 0) job.last = part.first + part.count - 1;
-  const bool by_time = part.start > 0 || std::isfinite(part.end);
-  if (!by_time) return;
-  const double tick = pipeline::stream_info(reader.info()).time_base.value();
-  const auto time = [&](std::size_t i) { return double(reader.record(i).pts - reader.record(0).pts) * tick; };
-  const auto first_from = [&](double seconds) {
-    std::size_t i = 0;
-    while (i < reader.frame_count() && time(i) < seconds - kSameTime) ++i;
-    return i;
-  };
-  job.first = first_from(part.start);
-  const std::size_t end = first_from(part.end);
-  if (job.first == end) {
-    const std::string to = std::isfinite(part.end) ? fmt::format("to {} s", part.end) : "on";
-    throw Error(ErrorKind::kInvalidArgument,
-                fmt::format("there is no frame from {} s {}: the last one is at {} s", part.start, to,
-                            time(reader.frame_count() - 1)));
-  }
-  job.last = end - 1;
-}
-
 pipeline::RenderJob make_job(const RenderVideo& arguments, document::Reader& reader) {
   pipeline::RenderJob job;
   job.reader = &reader;
-  choose_part(part_of(arguments.part), job);
+  const FrameRange range = frames_of(reader, part_of(arguments.part));
+  job.first = range.first;
+  job.last = range.last;
   if (!arguments.fps.empty()) job.rate = parse_rate("--fps", arguments.fps);
   const document::SequenceInfo& info = reader.info();
   const Turn turn = turn_of(reader);

@@ -10,6 +10,7 @@
 #include "cli/command.h"
 #include "cli/debug/video_debug.h"
 #include "cli/file_names.h"
+#include "cli/frame_source.h"
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
 #include "cli/output_size.h"
@@ -127,9 +128,21 @@ std::vector<Output> outputs_of(const VideoRun& run) {
           {run.digest}};
 }
 
+namespace {
+
+/// Whoever gives one as a video has most likely taken the wrong command.
+void check_no_document(const std::string& input) {
+  if (!is_document(input)) return;
+  throw Error(ErrorKind::kInput, (input == "-" ? "standard input" : "'" + input + "'") +
+                                     " is a vector document already; 'knotreel render' draws it");
+}
+
+}  // namespace
+
 pipeline::Summary run_video(const VideoRun& run) {
   check_paths({run.input}, outputs_of(run));
   check_document_name(run.document);
+  check_no_document(run.input);
   const ThreadCap cap(run.threads);
   video::VideoReader reader = video::VideoReader::open(run.input, read_options(run.reading, run.threads));
   pipeline::Job job = make_job(run, reader);

@@ -9,6 +9,7 @@ using test::expect_failure;
 using test::expect_success;
 using test::read_text;
 using test::Sample;
+using test::TempDir;
 
 TEST(CliExport, WritesPdfAndSvgByTheNameOfTheOutput) {
   const Sample sample;
@@ -73,6 +74,60 @@ TEST(CliExport, UnwritableOutputsAreExit4) {
   for (const std::string format : {"pdf", "svg"}) {
     expect_failure(test::knotreel({"export", sample.document, "-o", "/dev/full", "--format", format}), 4);
   }
+}
+
+/// A document of four frames, and the folder that it is in.
+struct Sequence {
+  TempDir dir;
+  std::string document = (dir / "clip.tcb").string();
+
+  Sequence() {
+    for (int i = 1; i <= 4; ++i) {
+      image::Image picture = test::smooth_picture(36, 20, 3);
+      for (float& sample : picture.samples) sample += float(3 * i);
+      image::write_image(dir / ("in" + std::to_string(i) + ".png"), picture);
+    }
+    expect_success(test::knotreel({"vectorize", (dir / "in%d.png").string(), "-o", document}));
+  }
+  std::string path(const std::string& name) const { return (dir / name).string(); }
+  test::ProcessResult exported(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), {"export", document});
+    return test::knotreel(arguments);
+  }
+};
+
+TEST(CliExport, APatternMeansAllFramesOfASequence) {
+  const Sequence sequence;
+  expect_success(sequence.exported({"-o", sequence.path("f_%02d.svg")}));
+  for (int i = 1; i <= 4; ++i) {
+    const std::string alone = sequence.path("alone.svg");
+    expect_success(sequence.exported({"-o", alone, "--frame", std::to_string(i - 1)}));
+    EXPECT_TRUE(read_text(sequence.path("f_0" + std::to_string(i) + ".svg")) == read_text(alone)) << i;
+  }
+  EXPECT_FALSE(std::filesystem::exists(sequence.path("f_05.svg")));
+}
+
+TEST(CliExport, APartOfASequenceIsNumberedFromOne) {
+  const Sequence sequence;
+  expect_success(sequence.exported({"-o", sequence.path("f_%d.pdf"), "--frames", "1-2"}));
+  expect_success(sequence.exported({"-o", sequence.path("g_%d.pdf"), "--start", "0.04", "--end", "0.12"}));
+  expect_success(sequence.exported({"-o", sequence.path("alone.pdf"), "--frame", "1"}));
+  for (const char* name : {"f_1.pdf", "g_1.pdf"}) {
+    EXPECT_TRUE(read_text(sequence.path(name)) == read_text(sequence.path("alone.pdf"))) << name;
+  }
+  for (const char* name : {"f_2.pdf", "g_2.pdf"}) EXPECT_TRUE(std::filesystem::exists(sequence.path(name)));
+  for (const char* name : {"f_3.pdf", "g_3.pdf"}) EXPECT_FALSE(std::filesystem::exists(sequence.path(name)));
+}
+
+TEST(CliExport, OptionsForSequencesAndForOneFrameDoNotMix) {
+  const Sequence sequence;
+  const std::size_t before = sequence.dir.entries();
+  expect_failure(sequence.exported({"-o", sequence.path("x.svg"), "--frames", "0-1"}), 2);
+  expect_failure(sequence.exported({"-o", sequence.path("x.svg"), "--end", "1"}), 2);
+  expect_failure(sequence.exported({"-o", sequence.path("x%d.svg"), "--frame", "1"}), 2);
+  expect_failure(sequence.exported({"-o", sequence.path("x%d.svg"), "--frames", "2-4"}), 2);
+  expect_failure(sequence.exported({"-o", sequence.path("x%d.svg"), "--start", "9"}), 2);
+  EXPECT_EQ(sequence.dir.entries(), before);
 }
 
 }  // namespace

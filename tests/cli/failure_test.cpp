@@ -47,6 +47,20 @@ TEST(CliInput, UnreadableInputsAreExit3) {
   EXPECT_EQ(sample.dir.entries(), 7u) << "no output may be left";
 }
 
+TEST(CliInput, ADocumentIsNoVideo) {
+  const Sample sample;
+  for (const std::string& input : {sample.document, std::string("-")}) {
+    for (const std::vector<std::string>& rest :
+         {std::vector<std::string>{"transcode", input, "-o", sample.path("x.mkv")},
+          {"vectorize", input, "-o", sample.path("x.tcb")}}) {
+      const auto result = test::knotreel(rest, {.input = input == "-" ? read_text(sample.document) : ""});
+      expect_failure(result, 3);
+      EXPECT_NE(result.err.find("'knotreel render' draws it"), std::string::npos) << result.err;
+    }
+  }
+  EXPECT_EQ(sample.dir.entries(), 2u);
+}
+
 TEST(CliInput, DamagedDocumentsAreExit3OrRecoveredWhole) {
   const Sample sample(1, 24, 16);
   const std::string damaged = sample.path("damaged.tcb");
