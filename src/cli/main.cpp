@@ -55,7 +55,8 @@ void run(int argc, char** argv) {
   // CLI11 would only say that a command is missing.
   const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
   const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
-  if (argc > 1 && argv[1][0] != '-' && std::none_of(commands.begin(), commands.end(), named)) {
+  const bool has_command = argc > 1 && argv[1][0] != '-';
+  if (has_command && std::none_of(commands.begin(), commands.end(), named)) {
     throw Error(ErrorKind::kInvalidArgument,
                 "there is no command '" + std::string(argv[1]) + "' (see knotreel --help)");
   }
@@ -67,8 +68,9 @@ void run(int argc, char** argv) {
     cli::write_text("-", program.help());  // of the subcommand, if one was named
   } catch (const CLI::ParseError& e) {
     const std::string message = e.what();
+    const std::string command = has_command ? argv[1] + std::string(" ") : "";
     throw Error(ErrorKind::kInvalidArgument,
-                message.substr(0, message.find('\n')) + " (see knotreel --help)");
+                message.substr(0, message.find('\n')) + " (see knotreel " + command + "--help)");
   }
 }
 

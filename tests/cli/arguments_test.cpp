@@ -76,6 +76,13 @@ TEST(Cli, NoDocumentIsCalledAsADrawingOrAVideo) {
   }
 }
 
+TEST(Cli, WrongUsageNamesTheHelpOfTheCommand) {
+  const auto error = [](std::vector<std::string> arguments) { return test::knotreel(arguments).err; };
+  EXPECT_NE(error({"--bogus"}).find("(see knotreel --help)"), std::string::npos);
+  EXPECT_NE(error({"render"}).find("(see knotreel render --help)"), std::string::npos);
+  EXPECT_NE(error({"compare", "x", "y", "--bogus"}).find("(see knotreel compare --help)"), std::string::npos);
+}
+
 TEST(Cli, WrongUsageIsExit2) {
   const std::vector<std::vector<std::string>> cases{
       {},
