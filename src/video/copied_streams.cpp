@@ -1,6 +1,7 @@
 #include "copied_streams.h"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 
 namespace knotreel::video {
@@ -47,17 +48,36 @@ void copy_stream(const AVStream& from, AVFormatContext& output) {
   copy_side_data(from, *stream, [](AVPacketSideDataType) { return true; });
 }
 
-/// False where it is certain. A container that does not know and has no sound of its own, such as rawvideo,
-/// is a row of pictures, in which any other packet would be taken for one.
-bool may_take(const AVOutputFormat& container, AVCodecID id) {
+/// What transport streams have a type for; anything else becomes private data, which nobody can read.
+bool is_for_transport(AVCodecID id) {
+  constexpr std::array kCodecs{AV_CODEC_ID_MP1,          AV_CODEC_ID_MP2,
+                               AV_CODEC_ID_MP3,          AV_CODEC_ID_AAC,
+                               AV_CODEC_ID_AAC_LATM,     AV_CODEC_ID_AC3,
+                               AV_CODEC_ID_EAC3,         AV_CODEC_ID_DTS,
+                               AV_CODEC_ID_TRUEHD,       AV_CODEC_ID_S302M,
+                               AV_CODEC_ID_OPUS,         AV_CODEC_ID_DVB_SUBTITLE,
+                               AV_CODEC_ID_DVB_TELETEXT, AV_CODEC_ID_HDMV_PGS_SUBTITLE,
+                               AV_CODEC_ID_SMPTE_KLV,    AV_CODEC_ID_TIMED_ID3};
+  return std::find(kCodecs.begin(), kCodecs.end(), id) != kCodecs.end();
+}
+
+/// False where it is certain.
+bool may_take(const AVOutputFormat& container, const AVCodecParameters& candidate) {
+  const AVCodecID id = candidate.codec_id;
+  const std::string name = container.name;
   if (id == AV_CODEC_ID_NONE) return false;
+  // Asked for fonts, it says no, and takes them.
+  if (candidate.codec_type == AVMEDIA_TYPE_ATTACHMENT) return name == "matroska";
+  if (name == "mpegts") return is_for_transport(id);
   const int answer = avformat_query_codec(&container, id, FF_COMPLIANCE_NORMAL);
+  // One that does not know and has no sound of its own, such as rawvideo, is a row of pictures, in which any
+  // other packet would be taken for one.
   return answer > 0 || (answer < 0 && container.audio_codec != AV_CODEC_ID_NONE);
 }
 
 /// Muxers tell what they cannot hold when the header is written; so one is written, into memory.
 bool takes(const AVFormatContext& output, const AVStream& candidate) {
-  if (!may_take(*output.oformat, candidate.codecpar->codec_id)) return false;
+  if (!may_take(*output.oformat, *candidate.codecpar)) return false;
   AVFormatContext* made = nullptr;
   if (avformat_alloc_output_context2(&made, output.oformat, nullptr, nullptr) < 0) throw std::bad_alloc();
   const std::unique_ptr<AVFormatContext, ContextDeleter> trial(made);

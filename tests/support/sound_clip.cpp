@@ -111,22 +111,82 @@ void send_video(AVFormatContext& output, Track& track, int seconds) {
   send(output, track, nullptr);
 }
 
-}  // namespace
+int add_texts(AVFormatContext& output) {
+  AVStream* stream = allocated(avformat_new_stream(&output, nullptr));
+  stream->codecpar->codec_type = AVMEDIA_TYPE_SUBTITLE;
+  stream->codecpar->codec_id = AV_CODEC_ID_SUBRIP;
+  stream->time_base = {1, 1000};
+  av_dict_set(&stream->metadata, "language", "ger", 0);
+  return stream->index;
+}
 
-void write_sound_clip(const std::string& path, const std::string& codec, bool video, int seconds) {
+void add_font(AVFormatContext& output) {
+  AVStream* stream = allocated(avformat_new_stream(&output, nullptr));
+  AVCodecParameters& parameters = *stream->codecpar;
+  parameters.codec_type = AVMEDIA_TYPE_ATTACHMENT;
+  parameters.codec_id = AV_CODEC_ID_TTF;
+  parameters.extradata_size = 1000;
+  parameters.extradata =
+      static_cast<std::uint8_t*>(allocated(av_mallocz(1000 + AV_INPUT_BUFFER_PADDING_SIZE)));
+  av_dict_set(&stream->metadata, "filename", "plain.ttf", 0);
+  av_dict_set(&stream->metadata, "mimetype", "application/x-truetype-font", 0);
+}
+
+void send_texts(AVFormatContext& output, int index) {
+  for (int i = 0; i < 3; ++i) {
+    const std::string text = "Zeile " + std::to_string(i);
+    const PacketPtr packet = new_packet();
+    checked(av_new_packet(packet.get(), int(text.size())));
+    std::memcpy(packet->data, text.data(), text.size());
+    packet->stream_index = index;
+    packet->pts = packet->dts = 100 + 300 * i;
+    packet->duration = 200;
+    checked(av_interleaved_write_frame(&output, packet.get()));
+  }
+}
+
+AVFormatContext* new_clip(const std::string& path) {
   silence_libav();
   AVFormatContext* output = nullptr;
   checked(avformat_alloc_output_context2(&output, nullptr, nullptr, path.c_str()));
-  Track sound = add_sound(*output, codec);
-  Track picture;
-  if (video) picture = add_video(*output);
-  checked(avio_open(&output->pb, path.c_str(), AVIO_FLAG_WRITE));
-  checked(avformat_write_header(output, nullptr));
-  send_sound(*output, sound, seconds);
-  if (video) send_video(*output, picture, seconds);
+  return output;
+}
+
+void begin(AVFormatContext& output, const std::string& path) {
+  checked(avio_open(&output.pb, path.c_str(), AVIO_FLAG_WRITE));
+  checked(avformat_write_header(&output, nullptr));
+}
+
+void end(AVFormatContext* output) {
   checked(av_write_trailer(output));
   avio_closep(&output->pb);
   avformat_free_context(output);
+}
+
+}  // namespace
+
+void write_sound_clip(const std::string& path, const std::string& codec, bool video, int seconds) {
+  AVFormatContext* output = new_clip(path);
+  Track sound = add_sound(*output, codec);
+  Track picture;
+  if (video) picture = add_video(*output);
+  begin(*output, path);
+  send_sound(*output, sound, seconds);
+  if (video) send_video(*output, picture, seconds);
+  end(output);
+}
+
+void write_titled_clip(const std::string& path) {
+  AVFormatContext* output = new_clip(path);
+  Track picture = add_video(*output);
+  Track sound = add_sound(*output, "aac");
+  const int texts = add_texts(*output);
+  add_font(*output);
+  begin(*output, path);
+  send_sound(*output, sound, 1);
+  send_texts(*output, texts);
+  send_video(*output, picture, 1);
+  end(output);
 }
 
 }  // namespace knotreel::video

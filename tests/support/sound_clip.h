@@ -9,4 +9,7 @@ namespace knotreel::video {
 /// @param codec  of the sound: "aac", whose first packet has a time before zero, or "pcm_s16le".
 void write_sound_clip(const std::string& path, const std::string& codec, bool video, int seconds = 1);
 
+/// Writes a second of video with sound as AAC, three texts as SubRip in German, and a font. Matroska only.
+void write_titled_clip(const std::string& path);
+
 }  // namespace knotreel::video

@@ -78,6 +78,42 @@ TEST(Copies, AreNotAmongTheBytesOfRawPictures) {
   EXPECT_EQ(std::filesystem::file_size(dir / "b.yuv"), std::filesystem::file_size(dir / "silent.yuv"));
 }
 
+/// "video mpeg4, audio aac", ...
+std::string streams_of(const std::string& path) {
+  std::string text;
+  for (const StreamEntry& stream : VideoReader::open(path).streams())
+    text += (text.empty() ? "" : ", ") + stream.kind + " " + stream.codec;
+  return text;
+}
+
+std::size_t text_packets(const std::string& path) {
+  std::size_t count = 0;
+  for (const Packet& packet : read_clip(path).packets) {
+    count += std::string(reinterpret_cast<const char*>(packet.bytes().data()), packet.bytes().size())
+                 .starts_with("Zeile ");
+  }
+  return count;
+}
+
+TEST(Copies, TextsAndFontsGoAlong) {
+  const TempDir dir;
+  write_titled_clip(dir / "a.mkv");
+  EXPECT_TRUE(copy_clip(dir / "a.mkv", dir / "b.mkv").empty());
+  EXPECT_EQ(streams_of(dir / "b.mkv"), "video h264, audio aac, subtitle subrip, attachment ttf");
+  EXPECT_EQ(text_packets(dir / "b.mkv"), 3u);
+  EXPECT_EQ(text_packets(dir / "a.mkv"), 3u);
+}
+
+TEST(Copies, WhatTransportStreamsHaveNoTypeForIsLeftOut) {
+  const TempDir dir;
+  write_titled_clip(dir / "a.mkv");
+  const std::vector<std::string> warnings = copy_clip(dir / "a.mkv", dir / "b.ts");
+  ASSERT_EQ(warnings.size(), 2u);
+  EXPECT_NE(warnings[0].find("subrip"), std::string::npos);
+  EXPECT_NE(warnings[1].find("ttf"), std::string::npos);
+  EXPECT_EQ(streams_of(dir / "b.ts"), "video h264, audio aac");
+}
+
 TEST(Copies, AreNotReadIfNotWanted) {
   const TempDir dir;
   write_sound_clip(dir / "a.mp4", "aac", true);
