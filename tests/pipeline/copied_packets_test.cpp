@@ -5,7 +5,7 @@
 #include "knotreel/document/reader.h"
 #include "knotreel/pipeline/render_job.h"
 #include "knotreel/pipeline/run.h"
-#include "support/sound_clip.h"
+#include "support/libav_clips.h"
 #include "support/temp_dir.h"
 
 namespace knotreel::pipeline {

@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "clips.h"
-#include "support/sound_clip.h"
+#include "support/libav_clips.h"
 #include "support/temp_dir.h"
 
 namespace knotreel::video {

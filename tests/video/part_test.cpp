@@ -5,7 +5,7 @@
 #include <fstream>
 
 #include "clips.h"
-#include "support/sound_clip.h"
+#include "support/libav_clips.h"
 #include "support/temp_dir.h"
 
 namespace knotreel::video {
@@ -149,6 +149,22 @@ TEST(Parts, BeginBetweenKeyframes) {
       const double start = seconds(whole)[first] - seconds(whole)[0];
       expect_part(read_clip(dir / name, between(start, start + 0.2)), whole, first,
                   std::min<std::size_t>(5, whole.frames.size() - first));
+    }
+  }
+}
+
+/// The pictures before a keyframe that are decoded behind it need some that a jump to it leaves out.
+TEST(Parts, BeginInOpenGroupsOfPictures) {
+  const TempDir dir;
+  for (const char* name : {"a.mp4", "a.mkv"}) {
+    SCOPED_TRACE(name);
+    write_open_gop_clip(dir / name, 8);
+    const WholeClip whole = read_clip(dir / name);
+    ASSERT_EQ(whole.frames.size(), 200u);
+    for (std::size_t first = 97; first < 104; ++first) {  // around a keyframe
+      SCOPED_TRACE(first);
+      const double start = seconds(whole)[first] - seconds(whole)[0];
+      expect_part(read_clip(dir / name, between(start, start + 0.2)), whole, first, 5);
     }
   }
 }

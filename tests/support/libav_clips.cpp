@@ -1,4 +1,8 @@
-#include "support/sound_clip.h"
+#include "support/libav_clips.h"
+
+extern "C" {
+#include <libavutil/opt.h>
+}
 
 #include <cmath>
 #include <cstring>
@@ -111,6 +115,47 @@ void send_video(AVFormatContext& output, Track& track, int seconds) {
   send(output, track, nullptr);
 }
 
+Track add_open_gop_video(AVFormatContext& output) {
+  Track track = add_track(output, avcodec_find_encoder_by_name("libx264"));
+  AVCodecContext& encoder = *track.encoder;
+  encoder.width = 128;
+  encoder.height = 96;
+  encoder.pix_fmt = AV_PIX_FMT_YUV420P;
+  encoder.time_base = {1, 25};
+  encoder.framerate = {25, 1};
+  checked(av_opt_set(encoder.priv_data, "x264-params",
+                     "open-gop=1:keyint=25:min-keyint=25:bframes=3:b-adapt=0:scenecut=0", 0));
+  open(track);
+  return track;
+}
+
+void fill_with_waves(AVFrame& frame) {
+  for (int plane = 0; plane < 3; ++plane) {
+    const int shift = plane == 0 ? 0 : 1;
+    for (int y = 0; y < frame.height >> shift; ++y) {
+      for (int x = 0; x < frame.width >> shift; ++x) {
+        const double wave =
+            std::sin(0.11 * (x + 3 * double(frame.pts))) * std::cos(0.13 * (y - double(frame.pts)));
+        frame.data[plane][y * frame.linesize[plane] + x] = std::uint8_t(128 + 60 * wave);
+      }
+    }
+  }
+}
+
+void send_waves(AVFormatContext& output, Track& track, int seconds) {
+  for (int i = 0; i < 25 * seconds; ++i) {
+    const FramePtr frame = new_frame();
+    frame->format = track.encoder->pix_fmt;
+    frame->width = track.encoder->width;
+    frame->height = track.encoder->height;
+    frame->pts = i;
+    checked(av_frame_get_buffer(frame.get(), 0));
+    fill_with_waves(*frame);
+    send(output, track, frame.get());
+  }
+  send(output, track, nullptr);
+}
+
 int add_texts(AVFormatContext& output) {
   AVStream* stream = allocated(avformat_new_stream(&output, nullptr));
   stream->codecpar->codec_type = AVMEDIA_TYPE_SUBTITLE;
@@ -173,6 +218,14 @@ void write_sound_clip(const std::string& path, const std::string& codec, bool vi
   begin(*output, path);
   send_sound(*output, sound, seconds);
   if (video) send_video(*output, picture, seconds);
+  end(output);
+}
+
+void write_open_gop_clip(const std::string& path, int seconds) {
+  AVFormatContext* output = new_clip(path);
+  Track picture = add_open_gop_video(*output);
+  begin(*output, path);
+  send_waves(*output, picture, seconds);
   end(output);
 }
 
