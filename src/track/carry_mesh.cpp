@@ -15,9 +15,10 @@ using mesh::KnotMesh;
 
 namespace {
 
-constexpr int kSlowings = 4;        // of a knot, before it rests
-constexpr double kStuck = 0.5;      // from where the end of a segment should be, pixels
-constexpr double kThinnest = 0.05;  // height of faces between features, which no removal can mend; pixels
+constexpr int kSlowings = 4;         // of a knot, before it rests
+constexpr double kStuck = 0.5;       // from where the end of a segment should be, pixels
+constexpr double kLeastGain = 1e-3;  // of a flip for the flatter of two faces, pixels
+constexpr double kThinnest = 0.05;   // height of faces between features, which no removal can mend; pixels
 
 /// Gives segments up whose ends cannot stay inside the domain; their knots become free where nothing else
 /// holds them.
@@ -134,7 +135,8 @@ class Carrier {
 
   /// Mends faces until none is bad, or none can be mended. To go on to the end matters: next to a knot that
   /// has to stay, all others have to, as far as the picture moves. It does end, since a flip leaves two sound
-  /// faces, anything else takes a knot away, and what is tried in vain changes nothing.
+  /// faces or makes the flatter of two less flat, anything else takes a knot away, and what is tried in vain
+  /// changes nothing.
   void mend() {
     std::vector<FaceIndex> bad = bad_faces();
     for (bool any = true; any && !bad.empty();) {
@@ -142,7 +144,7 @@ class Carrier {
       std::vector<FaceIndex> next;
       for (const FaceIndex f : bad) {
         if (!is_bad(f)) continue;
-        if (flip_away(f) || remove_from(f, next)) {
+        if (flip_away(f) || remove_from(f, next) || flip_for_better(f)) {
           any = true;
         } else {
           next.push_back(f);
@@ -157,6 +159,21 @@ class Carrier {
 
   /// Flips an edge of a face if both faces are sound after it, now and after the move.
   bool flip_away(FaceIndex f) {
+    return flip(f, [&](double flattest, double) { return flattest >= least_; });
+  }
+
+  /// Between features that pass each other there may be no knot to take away, and no flip that leaves sound
+  /// faces; each step counts then, lest the features be held until they are given up.
+  bool flip_for_better(FaceIndex f) {
+    return flip(f, [](double flattest, double before) {
+      return flattest >= kThinnest && flattest > before + kLeastGain;
+    });
+  }
+
+  /// Flips the first edge of a face for which is_good(height of the flatter face behind it, and before it),
+  /// both after the move.
+  template <class IsGood>
+  bool flip(FaceIndex f, IsGood&& is_good) {
     for (int side = 0; side < 3; ++side) {
       const EditableMesh::Edge e{f, side};
       if (!mesh_.can_flip(e)) continue;
@@ -166,7 +183,8 @@ class Carrier {
       const KnotIndex q = mesh_.face(m.face)[static_cast<std::size_t>(m.side)];
       const mesh::Face first{v[i], v[(i + 1) % 3], q};
       const mesh::Face second{v[i], q, v[(i + 2) % 3]};
-      if (height(first, true) < least_ || height(second, true) < least_) continue;
+      const double before = std::min(height(v, true), height(mesh_.face(m.face), true));
+      if (!is_good(std::min(height(first, true), height(second, true)), before)) continue;
       mesh_.flip(e);
       ++report_.flips;
       return true;

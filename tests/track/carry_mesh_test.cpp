@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <numbers>
 #include <random>
 
 #include "support/mesh_cases.h"
@@ -183,6 +184,37 @@ TEST(CarryMesh, SegmentsThatCannotFollowAreTold) {
     }
   }
   EXPECT_GT(stuck, 0U);
+}
+
+/// Two octagons, and no other knot but the corners of the picture.
+KnotMesh two_octagons() {
+  testing::MeshBuilder b(160, 200);
+  for (const Vec2 centre : {Vec2{60.2, 60.1}, Vec2{99.7, 139.4}}) {
+    std::vector<mesh::KnotIndex> corners;
+    for (int i = 0; i < 8; ++i) {
+      const double angle = std::numbers::pi * (i + (centre.x < 80 ? 0.3 : 0.1)) / 4;
+      corners.push_back(b.vertex(centre.x + 12 * std::cos(angle), centre.y + 12 * std::sin(angle)));
+    }
+    for (std::size_t i = 0; i < 8; ++i) b.segment(corners[i], corners[(i + 1) % 8], 0);
+  }
+  return b.triangulated();
+}
+
+TEST(CarryMesh, FeaturesPassEachOther) {
+  KnotMesh mesh = two_octagons();
+  for (int step = 0; step < 70; ++step) {
+    std::vector<Vec2> motion;
+    for (const mesh::Knot& k : mesh.knots) {
+      const bool corner = k.kind != KnotKind::kVertex || k.position.x == 0 || k.position.x == mesh.width;
+      motion.push_back(corner ? Vec2{} : Vec2{0.1, k.position.x < 80 ? 1.0 : -1.0});
+    }
+    CarryReport report;
+    mesh = carry_mesh(mesh, knot_targets(mesh, motion), {}, {}, &report);
+    EXPECT_TRUE(report.stuck.empty()) << step;
+    EXPECT_EQ(report.held, 0u) << step;
+    EXPECT_FALSE(mesh::find_geometric_defect(mesh)) << step;
+  }
+  EXPECT_EQ(mesh.segments.size(), 16u);
 }
 
 TEST(CarryMesh, LostSegmentsBecomeOrdinaryKnots) {
