@@ -2,20 +2,18 @@
 
 #include <algorithm>
 #include <cmath>
-#include <optional>
+#include <memory>
 #include <string>
 #include <utility>
 
 #include "knotreel/base/error.h"
-#include "knotreel/base/parallel.h"
 #include "vectorize/check_options.h"
 #include "vectorize/draft.h"
 #include "vectorize/finish.h"
-#include "vectorize/first_knots.h"
-#include "vectorize/mapped_picture.h"
 #include "vectorize/rounds.h"
 #include "vectorize/run_log.h"
 #include "vectorize/samples.h"
+#include "vectorize/start.h"
 
 namespace knotreel::vectorize {
 
@@ -68,19 +66,10 @@ class Run {
   Vectorization run() {
     const std::size_t max_functions = most_control_points(options_, picture_.pixel_count());
     log_.begin_round("round 1");
-    MappedPicture mapped;
-    map_features(picture_, options_, max_functions, log_, mapped);
-    const knots::Target target = make_target(picture_, mapped);
-    log_.lap("resample");
-    mesh::EditableMesh mesh(mapped.knots);
-    std::optional<Samples> made;
-    // Knots go in one after the other, which takes one thread.
-    parallel_invoke([&] { insert_first_knots(target, max_functions, options_, mesh); },
-                    [&] { made.emplace(picture_, mapped, options_.half_rows); });
-    log_.lap("place");
-    Samples& samples = *made;
-    Rounds rounds(options_, target, samples, max_functions, log_, draft_);
-    rounds.first(std::move(mesh), mapped.knots);
+    const std::unique_ptr<Start> start = make_start(picture_, options_, max_functions, log_);
+    Samples& samples = *start->samples;
+    Rounds rounds(options_, *start->target, samples, max_functions, log_, draft_);
+    rounds.first(std::move(*start->mesh), start->mapped.knots);
     end_round(samples);
     for (int round = 2; round <= options_.rounds && !is_good_enough(options_, samples, log_, draft_);
          ++round) {

@@ -95,6 +95,30 @@ TEST(Vectorize, TheFirstRoundTakesItsShareOfTheControlPoints) {
   }
 }
 
+/// Six disks, on a ground that is smooth or one of fine waves.
+image::Image disks(bool waves) {
+  return draw(240, 160, 1, [&](double x, double y) {
+    double value = 90 + 0.1 * x + (waves ? 30 * std::sin(1.1 * x) * std::sin(0.9 * y) : 0);
+    for (int i = 0; i < 6; ++i) {
+      const double inside = 14.5 - std::hypot(x - 40 - 80 * (i % 3), y - 40 - 80 * (i / 3));
+      value += (220 - value) * std::clamp(inside, 0.0, 1.0);
+    }
+    return Colour{value};
+  });
+}
+
+TEST(Vectorize, FeaturesMayHaveMoreThanTheirShareOfWhatIsLeft) {
+  Options options{.max_control_points = 2000};
+  options.feature_share = 0.04;
+  const Vectorization calm = vectorize_picture(disks(false), options);
+  EXPECT_EQ(calm.report.chains, 6U);
+  EXPECT_EQ(calm.report.chains_over_budget, 0U);
+  EXPECT_GT(psnr(disks(false), calm.model), 40);
+  options.max_control_points = 700;
+  const Vectorization busy = vectorize_picture(disks(true), options);
+  EXPECT_GT(busy.report.chains_over_budget, 0U);
+}
+
 TEST(Vectorize, AnySizeAndAnyChannels) {
   constexpr std::pair<int, int> kSizes[] = {{1, 1}, {1, 7}, {9, 1}, {2, 2}, {3, 3}, {2, 40}, {17, 13}};
   for (const auto& [width, height] : kSizes) {

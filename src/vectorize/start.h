@@ -1,0 +1,28 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <optional>
+
+#include "knotreel/knots/target.h"
+#include "knotreel/mesh/editable_mesh.h"
+#include "vectorize/mapped_picture.h"
+#include "vectorize/run_log.h"
+#include "vectorize/samples.h"
+
+namespace knotreel::vectorize {
+
+/// What the rounds of fitting begin with. Parts point into each other.
+struct Start {
+  MappedPicture mapped;
+  std::optional<knots::Target> target;
+  std::optional<mesh::EditableMesh> mesh;  ///< with the first knots
+  std::optional<Samples> samples;
+};
+
+/// Features within their share of the control points, and the first knots. Where these leave room, all
+/// features may stay: a bound on their share keeps them from what the rest of the picture needs.
+std::unique_ptr<Start> make_start(const image::Image& picture, const Options& options,
+                                  std::size_t max_functions, RunLog& log);
+
+}  // namespace knotreel::vectorize
