@@ -15,6 +15,7 @@
 #include <vector>
 
 #include "knotreel/base/error.h"
+#include "knotreel/base/happens_before.h"
 
 namespace knotreel {
 namespace {
@@ -49,12 +50,18 @@ void check_threads(int count) {
 void start(int threads) {
   std::atomic<int> arrived{0};
   const auto deadline = Clock::now() + kPatience;
+  HappensBefore begun;
+  HappensBefore ended;
   const auto meet = [&](int) {
+    begun.acquire();
     ++arrived;
     while (arrived < threads && Clock::now() < deadline) std::this_thread::yield();
+    ended.release();
   };
   oneapi::tbb::task_arena arena(threads);
+  begun.release();
   arena.execute([&] { oneapi::tbb::parallel_for(0, threads, meet, oneapi::tbb::static_partitioner()); });
+  ended.acquire();
 }
 
 }  // namespace
