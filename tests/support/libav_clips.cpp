@@ -49,14 +49,18 @@ Track add_sound(AVFormatContext& output, const std::string& codec) {
   return track;
 }
 
-Track add_video(AVFormatContext& output) {
-  Track track = add_track(output, avcodec_find_encoder(AV_CODEC_ID_MPEG4));
-  AVCodecContext& encoder = *track.encoder;
-  encoder.width = 64;
-  encoder.height = 48;
+void set_picture(AVCodecContext& encoder, int width, int height) {
+  encoder.width = width;
+  encoder.height = height;
   encoder.pix_fmt = AV_PIX_FMT_YUV420P;
   encoder.time_base = {1, 25};
   encoder.framerate = {25, 1};
+}
+
+Track add_video(AVFormatContext& output) {
+  Track track = add_track(output, avcodec_find_encoder(AV_CODEC_ID_MPEG4));
+  AVCodecContext& encoder = *track.encoder;
+  set_picture(encoder, 64, 48);
   open(track);
   return track;
 }
@@ -118,11 +122,7 @@ void send_video(AVFormatContext& output, Track& track, int seconds) {
 Track add_open_gop_video(AVFormatContext& output) {
   Track track = add_track(output, avcodec_find_encoder_by_name("libx264"));
   AVCodecContext& encoder = *track.encoder;
-  encoder.width = 128;
-  encoder.height = 96;
-  encoder.pix_fmt = AV_PIX_FMT_YUV420P;
-  encoder.time_base = {1, 25};
-  encoder.framerate = {25, 1};
+  set_picture(encoder, 128, 96);
   checked(av_opt_set(encoder.priv_data, "x264-params",
                      "open-gop=1:keyint=25:min-keyint=25:bframes=3:b-adapt=0:scenecut=0", 0));
   open(track);
