@@ -64,7 +64,7 @@ class ColourCoding {
     return {f, true, match, area_class(area), area_change_class(area, before_->history.areas[match])};
   }
 
-  std::span<const CornerIndex> places(spline::FunctionIndex f) const {
+  std::span<const mesh::CornerIndex> places(spline::FunctionIndex f) const {
     return std::span(state_.space->functions()[f].knots).first(degree_);
   }
 

@@ -1,26 +1,11 @@
 #include "knotreel/document/reader.h"
 
-#include <string>
 #include <utility>
 
-#include "document/document_file.h"
+#include "document/reader_impl.h"
 #include "knotreel/base/error.h"
 
 namespace knotreel::document {
-
-class Reader::Impl {
- public:
-  explicit Impl(std::unique_ptr<ByteSource> source) : file(std::move(source), true) {}
-
-  void require_frame(std::size_t frame) const {
-    if (frame < file.records().size()) return;
-    throw Error(ErrorKind::kInvalidArgument, "there is no frame " + std::to_string(frame) +
-                                                 ": the document has " +
-                                                 std::to_string(file.records().size()) + ", counted from 0");
-  }
-
-  DocumentFile file;
-};
 
 Reader::Reader(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Reader::~Reader() = default;
@@ -46,6 +31,10 @@ bool Reader::complete() const {
 }
 double Reader::colour_tolerance() const {
   return impl_->file.format().colour_scale();  // keyframes have twice the step of the file
+}
+Steps Reader::steps() const {
+  const Format& format = impl_->file.format();
+  return {format.colour_step, format.displacement_step};
 }
 std::uint64_t Reader::file_bytes() const {
   return impl_->file.bytes();

@@ -3,11 +3,11 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
-#include <ostream>
 #include <string>
 
 #include "document/container.h"
 #include "document/frame_codec.h"
+#include "document/frame_stream.h"
 #include "knotreel/base/error.h"
 
 namespace knotreel::document {
@@ -53,41 +53,20 @@ class Writer::Impl {
       : format_(make_format(std::move(info), options)),
         keyframes_{options.knot_bits, kKeyframeUnit, options.rename_knots},
         deltas_{std::min(options.knot_bits, options.delta_knot_bits), delta_unit(options), false},
-        out_(out) {
-    put(preamble());
-    put(chunk(ChunkType::kHeader, write_header(format_)));
-    flush();
-  }
+        stream_(out, format_) {}
 
   FrameModel append(const FrameModel& model) {
-    require_open();
+    stream_.require_open();
     const FrameState* before = state_ && !model.keyframe ? &*state_ : nullptr;
     FrameState state = next_state(model, before);
-    const std::vector<std::byte> bytes = chunk(ChunkType::kFrame, encode_frame(state, before, format_));
-    const FrameRecord record{position_, bytes.size(), state.frame, state.pts, state.keyframe};
-    put(bytes);
-    flush();
-    records_.push_back(record);
+    stream_.put(state, before);
     state_ = std::move(state);
     return to_model(*state_, format_);
   }
 
-  void finish() {
-    require_open();
-    finished_ = true;
-    ByteWriter end;
-    end.u64(position_);
-    put(chunk(ChunkType::kIndex, write_index(records_)));
-    put(chunk(ChunkType::kEnd, end.view()));
-    flush();
-  }
+  void finish() { stream_.finish(); }
 
  private:
-  void require_open() const {
-    if (finished_)
-      throw Error(ErrorKind::kInvalidArgument, "the document is finished already, or could not be written");
-  }
-
   /// Deltas have coarser steps than the keyframe before them, but what repeats it stays as it is.
   FrameState next_state(const FrameModel& model, const FrameState* before) const {
     if (!before) return to_state(model, before, format_, keyframes_);
@@ -103,26 +82,11 @@ class Writer::Impl {
     return to_state(model, before, format_, steps);
   }
 
-  void put(const std::vector<std::byte>& bytes) {
-    out_.write(reinterpret_cast<const char*>(bytes.data()), static_cast<std::streamsize>(bytes.size()));
-    position_ += bytes.size();
-  }
-
-  /// After a failed write the last chunk may be cut off, so nothing must follow it.
-  void flush() {
-    if (out_.flush()) return;
-    finished_ = true;
-    throw Error(ErrorKind::kOutput, "the document cannot be written");
-  }
-
   Format format_;
   QuantiseOptions keyframes_;
   QuantiseOptions deltas_;
-  std::ostream& out_;
-  std::uint64_t position_ = 0;
-  std::vector<FrameRecord> records_;
+  FrameStream stream_;
   std::optional<FrameState> state_;  ///< the last frame as written
-  bool finished_ = false;
 };
 
 Writer::Writer(std::ostream& out, SequenceInfo info, EncodeOptions options)

@@ -23,6 +23,14 @@ struct FrameRecord {
   friend bool operator==(const FrameRecord&, const FrameRecord&) = default;
 };
 
+/// What the numbers of a document are multiples of.
+struct Steps {
+  std::uint32_t colour = 0;        ///< in 1/512 level, 1 to 65535
+  std::uint32_t displacement = 0;  ///< in 1/4096 px, 1 to 65535
+
+  friend bool operator==(const Steps&, const Steps&) = default;
+};
+
 /// Reads documents, also unfinished ones up to their last whole frame. Holds one decoded frame, so reading in
 /// order costs one frame each, and reading elsewhere starts from the keyframe before. Not safe to use from
 /// several threads; several readers of one file are.
@@ -53,6 +61,8 @@ class Reader {
   /// Largest error of a control colour of a keyframe, levels.
   double colour_tolerance() const;
 
+  Steps steps() const;
+
   std::uint64_t file_bytes() const;
 
   /// @throws Error{kInvalidArgument} if there is no such frame.
@@ -63,6 +73,7 @@ class Reader {
   FrameModel read(std::size_t frame);
 
  private:
+  friend class Copier;
   class Impl;
   explicit Reader(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;

@@ -1,0 +1,38 @@
+#pragma once
+
+#include <cstdint>
+#include <iosfwd>
+#include <vector>
+
+#include "document/frame_state.h"
+#include "knotreel/document/reader.h"
+
+namespace knotreel::document {
+
+/// The bytes of a document in the order of the file: header, frames, index.
+class FrameStream {
+ public:
+  /// Writes the header. @throws Error{kOutput} if writing fails, as all that follows.
+  FrameStream(std::ostream& out, const Format& format);
+
+  /// @param state, before  as encode_frame() takes them.
+  void put(FrameState& state, const FrameState* before);
+
+  /// Writes the index, last.
+  void finish();
+
+  /// @throws Error{kInvalidArgument} if nothing may follow.
+  void require_open() const;
+
+ private:
+  void put(const std::vector<std::byte>& bytes);
+  void flush();
+
+  const Format& format_;
+  std::ostream& out_;
+  std::uint64_t position_ = 0;
+  std::vector<FrameRecord> records_;
+  bool finished_ = false;
+};
+
+}  // namespace knotreel::document
