@@ -14,6 +14,7 @@ void add_transcode_command(CLI::App& program);
 void add_batch_command(CLI::App& program);
 void add_render_command(CLI::App& program);
 void add_export_command(CLI::App& program);
+void add_copy_command(CLI::App& program);
 void add_info_command(CLI::App& program);
 void add_dump_command(CLI::App& program);
 void add_compare_command(CLI::App& program);

@@ -127,6 +127,11 @@ Output video_output(const std::string& path, const std::string& container) {
   return {path, container.empty() && video::number_pattern(path).has_value()};
 }
 
+Output split_output(const std::string& folder) {
+  if (folder.empty()) return {};
+  return {(fs::path(folder) / "frame_%06d.tcb").string(), true};
+}
+
 void check_paths(const std::vector<std::string>& inputs, const std::vector<Output>& outputs) {
   const auto is_dash = [](const Output& output) { return output.path == "-"; };
   if (std::count_if(outputs.begin(), outputs.end(), is_dash) > 1) {

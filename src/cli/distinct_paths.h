@@ -15,6 +15,9 @@ struct Output {
 /// A video, or a picture per frame. @param container as video::WriteOptions; `null` and `hash` write no file.
 Output video_output(const std::string& path, const std::string& container = {});
 
+/// A document per frame in a folder; empty: nothing.
+Output split_output(const std::string& folder);
+
 /// To be called before any work. Devices and pipes may be named several times.
 /// @param inputs  files, `-`, folders and patterns of pictures; empty ones and what is no file do not matter.
 /// @throws Error{kInvalidArgument} if an output is the same file as an input or another output, whatever the

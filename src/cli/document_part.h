@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
+#include <vector>
 
 #include "cli/parse.h"
 #include "knotreel/document/reader.h"
@@ -12,7 +14,11 @@ namespace knotreel::cli {
 /// @throws Error{kInvalidArgument} if there is no frame at these times.
 FrameRange frames_of(const document::Reader& reader, const video::Part& part);
 
+/// The same for frames with these times, in ticks of so many seconds. @pre there is one.
+FrameRange frames_of(const std::vector<std::int64_t>& times, double tick, const video::Part& part);
+
 /// How many frames these are. @throws Error{kInvalidArgument} if the document has not all of them.
 std::size_t frames_in(const FrameRange& range, const document::Reader& reader);
+std::size_t frames_in(const FrameRange& range, std::size_t count);  ///< of so many
 
 }  // namespace knotreel::cli

@@ -26,6 +26,7 @@ Examples:
   knotreel vectorize photo.png -o photo.tcb          picture to vector document
   knotreel render photo.tcb -o large.png --scale 4   and back, four times as large
   knotreel export photo.tcb -o photo.pdf             for other programs
+  knotreel copy clip.tcb -o part.tcb --frames 0-99   a part, as it is
   knotreel compare photo.png photo.tcb               how close is it?
   knotreel info photo.tcb                            what is in it?
 'knotreel COMMAND --help' tells more about a command.
@@ -48,6 +49,7 @@ void run(int argc, char** argv) {
   cli::add_batch_command(program);
   cli::add_render_command(program);
   cli::add_export_command(program);
+  cli::add_copy_command(program);
   cli::add_info_command(program);
   cli::add_dump_command(program);
   cli::add_compare_command(program);

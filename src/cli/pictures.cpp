@@ -13,6 +13,7 @@
 #include "knotreel/image/format.h"
 #include "knotreel/image/read_image.h"
 #include "knotreel/pipeline/sequence.h"
+#include "knotreel/video/picture_list.h"
 #include "knotreel/video/reader.h"
 
 namespace knotreel::cli {
@@ -47,6 +48,10 @@ bool is_picture(const std::filesystem::path& path) {
 }
 
 document::Reader open_document(const std::filesystem::path& path) {
+  if (video::means_pictures(path)) {
+    throw Error(ErrorKind::kInput, "'" + path.string() + "' is no document; 'knotreel copy " + path.string() +
+                                       " -o x.tcb' makes one of several");
+  }
   if (path != "-" && !is_named_pipe(path)) return document::Reader::open(path);
   const std::string name = path == "-" ? "standard input" : path.string();
   return document::Reader::open(read_whole(path, kMaxPipedBytes, "document"), name);

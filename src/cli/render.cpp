@@ -110,7 +110,12 @@ void check_kind(const CLI::App& command, bool video) {
   }
 }
 
-void render(const CLI::App& command, const RenderArguments& arguments) {
+void render(const CLI::App& command, RenderArguments& arguments) {
+  if (arguments.output.empty()) {
+    const bool nowhere = arguments.format == "null" || arguments.format == "hash";
+    if (!nowhere) refuse("--output is required (see knotreel render --help)");
+    arguments.output = "-";  // for the digest
+  }
   const bool is_video = is_video_output(arguments.output, arguments.format);
   check_kind(command, is_video);
   if (!is_video) {
@@ -157,8 +162,7 @@ void add_render_command(CLI::App& program) {
       ->add_option("-o,--output", arguments->output,
                    "Picture or video to write; its name says the format: png, ppm, pgm, pam,\n"
                    "pfm, tiff, jpg, webp, bmp, or a video. '-': standard output")
-      ->type_name("FILE")
-      ->required();
+      ->type_name("FILE");
   auto* scale = command->add_option("--scale", arguments->scale, "Output pixels per picture pixel, above 0")
                     ->type_name("S")
                     ->capture_default_str();
@@ -182,8 +186,10 @@ void add_render_command(CLI::App& program) {
                    "alpha is kept")
       ->type_name("COLOUR");
   command
-      ->add_option("-f,--format", arguments->format,
-                   "Format if the name does not say it; for '-' it is png if not given")
+      ->add_option(
+          "-f,--format", arguments->format,
+          "Format if the name does not say it; for '-' it is png if not given.\nnull: none is written; hash: "
+          "print a digest of all frames and times")
       ->type_name("NAME");
   command->add_flag("--no-antialias", arguments->aliased, "Leave the edges of features jagged");
   add_threads_option(*command, arguments->threads);

@@ -77,7 +77,7 @@ nlohmann::ordered_json head_json(const RenderVideo& arguments, const pipeline::R
 
 std::vector<Output> outputs_of(const RenderVideo& arguments) {
   const bool digest = arguments.format == "hash";
-  return {digest ? Output{"-"} : video_output(arguments.output, arguments.format),
+  return {digest ? Output{arguments.output} : video_output(arguments.output, arguments.format),
           {arguments.stats},
           {arguments.progress}};
 }
@@ -85,7 +85,7 @@ std::vector<Output> outputs_of(const RenderVideo& arguments) {
 void tell(const RenderVideo& arguments, const pipeline::Summary& summary) {
   for (const std::string& line : summary.warnings) warn(line);
   if (arguments.format == "hash") {
-    write_text("-", summary.digest + "\n");
+    write_text(arguments.output, summary.digest + "\n");
   } else if (!uses_standard_output(outputs_of(arguments))) {
     const bool nowhere = arguments.format == "null";
     write_text("-", summary_text(nowhere ? arguments.format : arguments.output, summary));

@@ -115,11 +115,8 @@ bool is_video(const std::string& input, const VideoInputOptions& options) {
 }
 
 std::vector<Output> outputs_of(const VideoRun& run) {
-  const auto all_in = [](const std::string& folder, const char* names) {
-    return Output{folder.empty() ? folder : (fs::path(folder) / names).string(), true};
-  };
   return {{run.document},
-          all_in(run.split_folder, "frame_%06d.tcb"),
+          split_output(run.split_folder),
           video_output(run.video.path, run.video.options.container),
           video_output(run.side_by_side),
           {run.stats},
@@ -180,10 +177,13 @@ std::string summary_text(const std::string& output, const pipeline::Summary& s) 
                             s.knots, s.control_points, s.document_bytes);
 }
 
-void check_stopped(const pipeline::Summary& summary) {
-  if (!summary.stopped) return;
+void throw_stopped(std::uint64_t frames) {
   throw Error(ErrorKind::kInterrupted,
-              fmt::format("interrupted after {} frames; the outputs hold them whole", summary.frames));
+              fmt::format("interrupted after {} frames; the outputs hold them whole", frames));
+}
+
+void check_stopped(const pipeline::Summary& summary) {
+  if (summary.stopped) throw_stopped(summary.frames);
 }
 
 }  // namespace knotreel::cli

@@ -49,6 +49,9 @@ std::vector<std::string> missing_frames(const VideoRun& run, const pipeline::Sum
 /// What both commands say in the end: frames, time, quality.
 std::string summary_text(const std::string& output, const pipeline::Summary& summary);
 
+/// @throws Error{kInterrupted} that says so, always.
+[[noreturn]] void throw_stopped(std::uint64_t frames);
+
 /// @throws Error{kInterrupted} if the run was stopped; files are whole.
 void check_stopped(const pipeline::Summary& summary);
 

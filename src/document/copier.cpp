@@ -38,6 +38,14 @@ void refine(std::vector<std::int64_t>& values, std::int64_t factor) {
   }
 }
 
+/// Ids of knots in the order of the file take no bytes.
+void rename_knots(FrameState& state) {
+  mesh::KnotMesh mesh = state.mesh();
+  for (std::uint32_t k = 0; k < mesh.knots.size(); ++k) mesh.knots[k].id = KnotId{k};
+  state.space = std::make_shared<spline::SplineSpace>(spline::SplineSpace::from_link_codes(
+      std::move(mesh), state.space->degree(), state.space->link_codes()));
+}
+
 std::int64_t refinement(std::uint32_t from, std::uint32_t to) {
   require(from % to == 0, "its steps are no multiples of those of the copy");
   return from / to;
@@ -63,6 +71,7 @@ class Copier::Impl {
     state.pts = place.pts;
     const FrameState* before = state_ && place.follows && !state.keyframe ? &*state_ : nullptr;
     state.keyframe = before == nullptr;
+    if (state.keyframe && place.rename_knots) rename_knots(state);
     const std::size_t knots = state.mesh().knots.size();
     stream_.put(state, before);
     state_ = std::move(state);
@@ -88,9 +97,6 @@ class Copier::Impl {
     state.colour_unit *= colours;
     refine(state.colour, colours);
     refine(state.displacement, refinement(from.displacement_step, format_.displacement_step));
-    state.function_ids.clear();
-    state.models = {};
-    state.history = {};
     return state;
   }
 

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <cstdint>
-#include <memory>
 #include <string>
 
 #include "knotreel/document/writer.h"
+#include "pipeline/document_stream.h"
 
 namespace knotreel::pipeline {
 
@@ -14,7 +14,6 @@ class DocumentSink {
   /// @param path  `-`: standard output; empty: nothing is kept. @throws as OutputFile and document::Writer.
   DocumentSink(const std::string& path, const document::SequenceInfo& info,
                const document::EncodeOptions& options = {});
-  ~DocumentSink();
 
   /// As document::Writer::append(); the frame is in the file then, whatever becomes of the program.
   document::FrameModel append(const document::FrameModel& model);
@@ -26,8 +25,7 @@ class DocumentSink {
   void finish();
 
  private:
-  struct Stream;
-  std::unique_ptr<Stream> stream_;
+  DocumentStream stream_;
   document::Writer writer_;
 };
 

@@ -1,6 +1,5 @@
 #include "pipeline/stages.h"
 
-#include <filesystem>
 #include <utility>
 
 #include "knotreel/base/error.h"
@@ -8,26 +7,11 @@
 #include "knotreel/motion/luma.h"
 #include "knotreel/pipeline/sequence.h"
 #include "knotreel/track/curve_error.h"
+#include "pipeline/split_folder.h"
 #include "pipeline/timed.h"
 
 namespace knotreel::pipeline {
 namespace {
-
-/// "frame_000001.tcb" for the first frame.
-std::filesystem::path single_path(const std::string& folder, std::uint64_t index) {
-  std::string number = std::to_string(index + 1);
-  if (number.size() < 6) number.insert(0, 6 - number.size(), '0');
-  return std::filesystem::path(folder) / ("frame_" + number + ".tcb");
-}
-
-void make_folder(const std::string& folder) {
-  if (folder.empty()) return;
-  std::error_code error;
-  std::filesystem::create_directories(folder, error);
-  if (error) {
-    throw Error(ErrorKind::kOutput, "cannot make the folder '" + folder + "': " + error.message());
-  }
-}
 
 /// The first frame is what somebody waits for; from then on, frames come as fast as they can.
 bool is_awaited(const Message& message) {
@@ -44,7 +28,7 @@ Stages::Stages(const Job& job)
       beside_(job),
       document_(job.document, info_),
       groups_(job.tracking) {
-  make_folder(job.split_folder);
+  make_split_folder(job.split_folder);
 }
 
 MessagePtr Stages::decode() {
@@ -131,7 +115,7 @@ void Stages::documents(Message& message) {
 void Stages::write_single(const Message& message) {
   document::FrameModel model = message.model;
   model.keyframe = true;
-  DocumentSink single(single_path(job_.split_folder, message.index).string(), info_, {.rename_knots = true});
+  DocumentSink single(single_path(job_.split_folder, message.index), info_, {.rename_knots = true});
   single.append(model);
   single.finish();
 }

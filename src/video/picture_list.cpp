@@ -15,21 +15,27 @@ namespace fs = std::filesystem;
 
 namespace {
 
+/// The extension in lower case, with its dot.
+std::string extension_of(const std::string& name) {
+  std::string extension = fs::path(name).extension().string();
+  std::transform(extension.begin(), extension.end(), extension.begin(),
+                 [](unsigned char c) { return char(std::tolower(c)); });
+  return extension;
+}
+
 bool is_picture_name(const std::string& name) {
   static const char* const kExtensions[] = {".png", ".jpg", ".jpeg", ".tif", ".tiff", ".webp", ".bmp",
                                             ".pbm", ".pgm", ".ppm",  ".pnm", ".pam",  ".pfm",  ".tga",
                                             ".dpx", ".exr", ".jp2",  ".sgi", ".gif"};
-  std::string extension = fs::path(name).extension().string();
-  std::transform(extension.begin(), extension.end(), extension.begin(),
-                 [](unsigned char c) { return char(std::tolower(c)); });
-  return std::find(std::begin(kExtensions), std::end(kExtensions), extension) != std::end(kExtensions);
+  return std::find(std::begin(kExtensions), std::end(kExtensions), extension_of(name)) !=
+         std::end(kExtensions);
 }
 
 bool has_wildcard(const std::string& name) {
   return name.find_first_of("*?[") != std::string::npos;
 }
 
-std::vector<std::string> names_in(const fs::path& folder, const std::string& input) {
+std::vector<std::string> names_in(const fs::path& folder, const std::string& input, const char* kind) {
   std::error_code error;
   std::vector<std::string> names;
   for (fs::directory_iterator it(folder.empty() ? "." : folder, error), end; !error && it != end;
@@ -38,7 +44,7 @@ std::vector<std::string> names_in(const fs::path& folder, const std::string& inp
     const std::string name = it->path().filename().string();
     if (!name.starts_with('.') && !it->is_directory(ignored)) names.push_back(name);
   }
-  if (error) throw Error(ErrorKind::kInput, cannot_read(input, "pictures") + error.message());
+  if (error) throw Error(ErrorKind::kInput, cannot_read(input, kind) + error.message());
   return names;
 }
 
@@ -106,22 +112,36 @@ bool means_pictures(const std::string& input) {
   return number_pattern(input) || has_wildcard(fs::path(input).filename().string());
 }
 
-std::vector<std::string> list_pictures(const std::string& input) {
+namespace {
+
+/// @param kind  what `wanted` in a folder are, for messages.
+template <class Wanted>
+std::vector<std::string> list_files(const std::string& input, const char* kind, Wanted wanted) {
   std::error_code ignored;
   const bool folder = fs::is_directory(input, ignored);
   const fs::path where = folder ? fs::path(input) : fs::path(input).parent_path();
-  std::vector<std::string> names = names_in(where, input);
+  std::vector<std::string> names = names_in(where, input, kind);
   if (const auto pattern = folder ? std::nullopt : number_pattern(input)) {
     names = numbered(names, *pattern);
   } else {
     std::erase_if(names, [&](const std::string& name) {
-      return folder ? !is_picture_name(name) : !matches_pattern(input, name);
+      return folder ? !wanted(name) : !matches_pattern(input, name);
     });
     std::sort(names.begin(), names.end(), natural_less);
   }
-  if (names.empty()) throw Error(ErrorKind::kInput, cannot_read(input, "pictures") + "there are none");
+  if (names.empty()) throw Error(ErrorKind::kInput, cannot_read(input, kind) + "there are none");
   for (std::string& name : names) name = (where / name).string();
   return names;
+}
+
+}  // namespace
+
+std::vector<std::string> list_pictures(const std::string& input) {
+  return list_files(input, "pictures", is_picture_name);
+}
+
+std::vector<std::string> list_documents(const std::string& input) {
+  return list_files(input, "documents", [](const std::string& name) { return extension_of(name) == ".tcb"; });
 }
 
 std::uint64_t missing_numbers(const std::string& input, const std::vector<std::string>& pictures) {

@@ -24,6 +24,8 @@ class Copier {
     /// The frame copied last is the one before in the same document, so that a frame that is stored as what
     /// has changed since then is stored so again. Others become keyframes.
     bool follows = false;
+    /// Of a frame that becomes a keyframe: as EncodeOptions::rename_knots. None can follow it.
+    bool rename_knots = false;
   };
 
   /// @param out must outlive the copier. @param steps  of the copy, which divide those of the documents.

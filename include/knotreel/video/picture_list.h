@@ -29,6 +29,9 @@ bool means_pictures(const std::string& input);
 /// @throws Error{kInput} if there are none.
 std::vector<std::string> list_pictures(const std::string& input);
 
+/// The same for vector documents: folders give those called .tcb.
+std::vector<std::string> list_documents(const std::string& input);
+
 /// How many numbers between the first and the last of list_pictures(input) no picture has; 0 if the input is
 /// not a pattern with `%d`.
 std::uint64_t missing_numbers(const std::string& input, const std::vector<std::string>& pictures);

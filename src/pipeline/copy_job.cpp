@@ -1,0 +1,101 @@
+#include "knotreel/pipeline/copy_job.h"
+
+#include <chrono>
+#include <optional>
+#include <utility>
+
+#include "knotreel/base/error.h"
+#include "knotreel/document/copier.h"
+#include "pipeline/document_stream.h"
+#include "pipeline/split_folder.h"
+
+namespace knotreel::pipeline {
+namespace {
+
+/// A document that is written by copying.
+class CopiedDocument {
+ public:
+  CopiedDocument(const std::string& path, const CopyPlan& plan)
+      : stream_(path), copier_(stream_.out(), plan.info, plan.steps) {}
+
+  std::size_t append(document::Reader& from, std::size_t frame, const document::Copier::Place& place) {
+    const std::size_t knots = copier_.append(from, frame, place);
+    stream_.out().flush();
+    return knots;
+  }
+  void finish() {
+    copier_.finish();
+    stream_.commit();
+  }
+  std::uint64_t bytes() const { return stream_.bytes(); }
+
+ private:
+  DocumentStream stream_;
+  document::Copier copier_;
+};
+
+class Copying {
+ public:
+  explicit Copying(const CopyJob& job) : job_(job), document_(job.document, job.plan) {
+    make_split_folder(job.split_folder);
+  }
+
+  CopySummary run() {
+    for (const CopiedFrame& frame : job_.plan.frames) {
+      summary_.stopped = job_.stop && job_.stop();
+      if (summary_.stopped) break;
+      copy(frame);
+    }
+    // A document without a frame is none.
+    if (summary_.frames > 0) document_.finish();
+    summary_.document_bytes = document_.bytes();
+    return summary_;
+  }
+
+ private:
+  void copy(const CopiedFrame& frame) {
+    document::Reader& from = reader_of(frame);
+    const bool follows = last_ && last_->document == frame.document && last_->frame + 1 == frame.frame;
+    const std::uint64_t index = summary_.frames;
+    FrameRow row;
+    row.index = index;
+    row.pts = frame.pts;
+    const std::uint64_t before = document_.bytes();
+    row.knots = document_.append(from, frame.frame, {index, frame.pts, follows});
+    row.bytes = document_.bytes() - before;
+    if (!job_.split_folder.empty()) write_single(from, frame, index);
+    last_ = frame;
+    ++summary_.frames;
+    row.finished_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+    if (job_.on_frame) job_.on_frame(row);
+  }
+
+  void write_single(document::Reader& from, const CopiedFrame& frame, std::uint64_t index) const {
+    CopiedDocument single(single_path(job_.split_folder, index), job_.plan);
+    single.append(from, frame.frame, {index, frame.pts, false, true});
+    single.finish();
+  }
+
+  document::Reader& reader_of(const CopiedFrame& frame) {
+    if (!reader_ || last_->document != frame.document) reader_.emplace(job_.open(frame.document));
+    if (frame.frame >= reader_->frame_count()) {
+      throw Error(ErrorKind::kInput, "a document has become shorter while it was copied");
+    }
+    return *reader_;
+  }
+
+  const CopyJob& job_;
+  CopiedDocument document_;
+  std::optional<document::Reader> reader_;
+  std::optional<CopiedFrame> last_;
+  CopySummary summary_;
+  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+}  // namespace
+
+CopySummary run_copy(const CopyJob& job) {
+  return Copying(job).run();
+}
+
+}  // namespace knotreel::pipeline

@@ -1,0 +1,117 @@
+#include <filesystem>
+
+#include "program.h"
+
+namespace knotreel {
+namespace {
+
+using test::expect_failure;
+using test::read_text;
+using test::TempDir;
+
+/// A clip of four frames as a document, and the digests of its frames.
+struct CopySample {
+  TempDir dir;
+  std::string document = path("in.tcb");
+
+  CopySample() {
+    for (int i = 0; i < 4; ++i) {
+      image::Image picture = test::smooth_picture(64, 40, 3);
+      for (float& sample : picture.samples) sample += float(9 * i);
+      image::write_image(path("in_" + std::to_string(i) + ".png"), picture);
+    }
+    EXPECT_EQ(
+        test::knotreel({"vectorize", path("in_%d.png"), "-o", document, "--image-rate", "10"}).exit_code, 0);
+  }
+  std::string path(const std::string& name) const { return (dir / name).string(); }
+
+  /// @param part  options that choose frames.
+  std::string digest(const std::string& name, std::vector<std::string> part = {}) const {
+    part.insert(part.begin(), {"render", path(name), "-f", "hash"});
+    const auto result = test::knotreel(part);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.out;
+  }
+  void copy(std::vector<std::string> arguments) const {
+    arguments.insert(arguments.begin(), "copy");
+    const auto result = test::knotreel(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err, "");
+  }
+};
+
+TEST(CliCopy, AWholeDocumentIsTheSameFile) {
+  const CopySample sample;
+  sample.copy({sample.document, "-o", sample.path("copy.tcb")});
+  EXPECT_EQ(read_text(sample.path("copy.tcb")), read_text(sample.document));
+  const auto piped = test::knotreel({"copy", "-", "-o", "-"}, {.input = read_text(sample.document)});
+  EXPECT_EQ(piped.exit_code, 0);
+  EXPECT_EQ(piped.err, "");
+  EXPECT_EQ(piped.out, read_text(sample.document));
+}
+
+TEST(CliCopy, PartsShowTheSameFramesAtTheSameTimes) {
+  const CopySample sample;
+  sample.copy({sample.document, "-o", sample.path("frames.tcb"), "--frames", "1-2"});
+  EXPECT_EQ(sample.digest("frames.tcb"), sample.digest("in.tcb", {"--frames", "1-2"}));
+  sample.copy({sample.document, "-o", sample.path("times.tcb"), "--start", "0.2"});
+  EXPECT_EQ(sample.digest("times.tcb"), sample.digest("in.tcb", {"--frames", "2-3"}));
+}
+
+TEST(CliCopy, SplitAndJoinedShowsTheSame) {
+  const CopySample sample;
+  sample.copy({sample.document, "--split", sample.path("frames")});
+  sample.copy({sample.path("frames"), "-o", sample.path("folder.tcb")});
+  EXPECT_EQ(sample.digest("folder.tcb"), sample.digest("in.tcb"));
+  sample.copy({sample.path("frames/frame_%06d.tcb"), "-o", sample.path("pattern.tcb")});
+  EXPECT_EQ(read_text(sample.path("pattern.tcb")), read_text(sample.path("folder.tcb")));
+}
+
+TEST(CliCopy, DocumentsFollowEachOther) {
+  const CopySample sample;
+  sample.copy({sample.document, sample.document, "-o", sample.path("twice.tcb")});
+  EXPECT_EQ(sample.digest("twice.tcb", {"--frames", "4-7"}), sample.digest("in.tcb"));
+  sample.copy({sample.path("twice.tcb"), "-o", sample.path("again.tcb"), "--start", "0.4"});
+  EXPECT_EQ(sample.digest("again.tcb"), sample.digest("in.tcb"));
+}
+
+TEST(CliCopy, ADocumentThatWasCutShortBecomesWhole) {
+  const CopySample sample;
+  const std::string whole = read_text(sample.document);
+  test::write_text(sample.path("cut.tcb"), whole.substr(0, whole.size() - 30));
+  const auto result = test::knotreel({"copy", sample.path("cut.tcb"), "-o", sample.path("mended.tcb")});
+  EXPECT_EQ(result.exit_code, 0);
+  EXPECT_NE(result.err.find("cut short"), std::string::npos);
+  const auto info = test::knotreel({"info", sample.path("mended.tcb"), "--json"});
+  EXPECT_TRUE(nlohmann::json::parse(info.out)["complete"]);
+  EXPECT_EQ(sample.digest("mended.tcb"), sample.digest("in.tcb"));
+}
+
+TEST(CliCopy, WrongUsageLeavesNothing) {
+  const CopySample sample;
+  const std::size_t entries = sample.dir.entries();
+  const std::string output = sample.path("out.tcb");
+  expect_failure(test::knotreel({"copy", sample.document}), 2);
+  expect_failure(test::knotreel({"copy", sample.document, "-o", sample.document}), 2);
+  expect_failure(test::knotreel({"copy", sample.document, "-o", sample.path("out.mp4")}), 2);
+  expect_failure(test::knotreel({"copy", sample.document, "-o", output, "--frames", "2-4"}), 2);
+  expect_failure(test::knotreel({"copy", sample.document, "-o", output, "--image-rate", "0"}), 2);
+  expect_failure(test::knotreel({"copy", sample.path("missing.tcb"), "-o", output}), 3);
+  expect_failure(test::knotreel({"copy", sample.path("in_0.png"), "-o", output}), 3);
+  expect_failure(test::knotreel({"copy", sample.path(""), "-o", sample.path("in.tcb")}), 2);
+  expect_failure(test::knotreel({"copy", sample.document, "-o", sample.path("missing/out.tcb")}), 4);
+  expect_failure(test::knotreel({"copy", sample.document, "-o", "/dev/full"}), 4);
+  expect_failure(test::knotreel({"copy", sample.document, "--split", sample.path("in_0.png")}), 4);
+  EXPECT_EQ(sample.dir.entries(), entries);
+}
+
+TEST(CliCopy, CommandsForOneDocumentTellOfItWhenGivenSeveral) {
+  const CopySample sample;
+  sample.copy({sample.document, "--split", sample.path("frames")});
+  const auto result = test::knotreel({"render", sample.path("frames"), "-o", sample.path("out.mp4")});
+  expect_failure(result, 3);
+  EXPECT_NE(result.err.find("knotreel copy"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace knotreel
