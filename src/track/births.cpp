@@ -63,7 +63,13 @@ std::vector<Chain> free_runs(const Chain& chain, const Taken& taken, double leas
     if (static_cast<double>(run.points.size()) >= least) runs.push_back(run);
     run.points.clear();
   };
-  for (const ChainPoint& p : chain.points) {
+  // A ring begins behind what is taken, so that no run is cut in two where its points begin.
+  std::size_t first = 0;
+  if (chain.closed) {
+    while (first < chain.points.size() && !taken.has(chain.points[first])) ++first;
+  }
+  for (std::size_t i = 0; i < chain.points.size(); ++i) {
+    const ChainPoint& p = chain.points[(first + i) % chain.points.size()];
     if (taken.has(p)) {
       close();
     } else {
@@ -155,6 +161,7 @@ class ChainMap {
       : width_(chains.width), height_(chains.height), at_(std::size_t(width_) * std::size_t(height_)) {
     for (std::size_t c = 0; c < chains.chains.size(); ++c) {
       const std::vector<ChainPoint>& points = chains.chains[c].points;
+      ring_.push_back(chains.chains[c].closed ? points.size() : 0);
       for (std::size_t i = 0; i < points.size(); ++i) place(points[i].x, points[i].y) = {c + 1, i};
     }
   }
@@ -167,8 +174,8 @@ class ChainMap {
       for (int y = std::max(0, p.y - reach); y <= std::min(height_ - 1, p.y + reach); ++y) {
         for (int x = std::max(0, p.x - reach); x <= std::min(width_ - 1, p.x + reach); ++x) {
           const Mark& m = place(x, y);
-          const std::size_t apart = m.index > own.index ? m.index - own.index : own.index - m.index;
-          if (m.chain != 0 && (m.chain != c + 1 || apart > std::size_t(4 * reach))) return true;
+          if (m.chain != 0 && (m.chain != c + 1 || apart(c, m.index, own.index) > std::size_t(4 * reach)))
+            return true;
         }
       }
       return false;
@@ -182,12 +189,20 @@ class ChainMap {
     std::size_t chain = 0;  ///< plus one; 0: none
     std::size_t index = 0;  ///< in the chain
   };
+
+  /// Points from one to another of a chain, the shorter way if it is a ring.
+  std::size_t apart(std::size_t chain, std::size_t a, std::size_t b) const {
+    const std::size_t between = a > b ? a - b : b - a;
+    return ring_[chain] > 0 ? std::min(between, ring_[chain] - between) : between;
+  }
+
   Mark& place(int x, int y) { return at_[std::size_t(y) * std::size_t(width_) + std::size_t(x)]; }
   const Mark& place(int x, int y) const { return at_[std::size_t(y) * std::size_t(width_) + std::size_t(x)]; }
 
   int width_;
   int height_;
   std::vector<Mark> at_;
+  std::vector<std::size_t> ring_;  ///< points of each chain that is one, else 0
 };
 
 struct MissedChain {

@@ -59,6 +59,27 @@ TEST(Births, WeakEdgesAndThoseWithoutRoomAreLeft) {
   EXPECT_TRUE(missing(flat(), edge_at(48), 20).empty());
 }
 
+image::Image disc(double radius) {
+  image::Image picture = flat();
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {
+      const double away = std::hypot(x + 0.5 - 48.2, y + 0.5 - 31.7) - radius;
+      picture.at(x, y, 0) += static_cast<float>(120 * std::clamp(0.5 - away, 0.0, 1.0));
+    }
+  }
+  return picture;
+}
+
+TEST(Births, ARingIsOneCurveHoweverSmall) {
+  for (const double radius : {5.5, 6.0, 7.0, 9.0, 15.0}) {
+    const auto lines = missing(flat(), disc(radius));
+    ASSERT_EQ(lines.size(), 1U) << radius;
+    double length = 0;
+    for (std::size_t i = 1; i < lines[0].size(); ++i) length += norm(lines[0][i] - lines[0][i - 1]);
+    EXPECT_GT(length, 0.6 * 2 * 3.14159 * radius) << radius;
+  }
+}
+
 /// An edge over soft waves, which keep the knots busy.
 image::Image fading_in(float share) {
   image::Image picture = edge_at(48);
