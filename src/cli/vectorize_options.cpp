@@ -86,7 +86,8 @@ void add_features(CLI::App& command, VectorizeOptions& options) {
   add_number(command, "--min-feature-length", options.min_feature_length, "PX", {0, 100000},
              "Shorter features are dropped, in pixels ", text_of(defaults.min_length));
   add_number(command, "--max-blur", options.max_blur, "PX", {0, 100},
-             "Wider edges are left to the smooth surface, in pixels; 0: none are\n",
+             "Wider edges are left to the smooth surface, in pixels; 0: none are;\nfine: 2 where edges are "
+             "as sharp as drawn ones\n",
              by_preset([](const vectorize::Options& o) { return text_of(o.detect.max_blur); }));
   command.add_flag("--no-features", options.no_features, "Look for no features: smooth everywhere");
   command.add_flag("--no-fairing", options.no_fairing, "Leave the curves of features as they were found");
@@ -149,6 +150,7 @@ vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_
 
   replace(options.detect.min_length, given.min_feature_length);
   replace(options.detect.max_blur, given.max_blur);
+  if (given.max_blur) options.drawn_blur = 0;
   if (given.edge_threshold) {
     // Hysteresis keeps its proportion.
     options.detect.anchor_threshold *= *given.edge_threshold / options.detect.edge_threshold;
@@ -190,6 +192,7 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
             {"min_weight", o.detect.min_weight},
             {"max_blur", o.detect.max_blur},
             {"euclidean_magnitude", o.detect.euclidean_magnitude}}},
+          {"drawn_blur", o.drawn_blur},
           {"fair",
            {{"lambda", o.fair.lambda}, {"iterations", o.fair.iterations}, {"keep_size", o.fair.keep_size}}},
           {"correction",

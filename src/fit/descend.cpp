@@ -109,6 +109,15 @@ class Steps {
   std::vector<Vec2> before_;
 };
 
+/// By knot, whether it may move.
+std::vector<std::uint8_t> movable(const KnotMesh& mesh, bool along_curves) {
+  std::vector<std::uint8_t> wanted(mesh.knots.size());
+  for (KnotIndex k = 0; k < wanted.size(); ++k) {
+    wanted[k] = along_curves || mesh.knots[k].kind != KnotKind::kSegment;
+  }
+  return wanted;
+}
+
 }  // namespace
 
 std::vector<Vec2> moved_positions(const mesh::KnotMesh& mesh, const std::vector<Vec2>& moves) {
@@ -142,6 +151,7 @@ ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOp
   ColourSurface best = start;
   ColourSurface at = std::move(start);
   Steps steps(at.space->mesh(), options.first_step);
+  const std::vector<std::uint8_t> wanted = movable(at.space->mesh(), options.along_curves);
   std::optional<SpaceAtPixels> own;
   for (int i = 0; i < options.steps; ++i) {
     if (options.on_step) options.on_step();
@@ -149,7 +159,8 @@ ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOp
     ColourFitOptions colour = options.colour;
     colour.start = at.fit.control;  // the functions stay, and hardly move
     const KnotMesh& mesh = at.space->mesh();
-    std::vector<Vec2> moves = steps.moves(knot_gradient(*values, pixels, at.fit), mesh::shortest_edges(mesh));
+    std::vector<Vec2> moves =
+        steps.moves(knot_gradient(*values, pixels, at.fit, wanted), mesh::shortest_edges(mesh));
     limit_moves(*at.space, mesh, options.min_distance, moves);
     at.space = std::make_shared<const spline::SplineSpace>(at.space->moved(moved_positions(mesh, moves)));
     values = &own.emplace(at.space, pixels).values;

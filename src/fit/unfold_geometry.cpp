@@ -9,20 +9,19 @@ namespace {
 
 // The map may shrink areas to this share; below that it counts as about to fold.
 constexpr double kLeastArea = 0.05;
-constexpr double kShrink = 0.85;  // of displacements at folds, each time
-constexpr int kMaxRounds = 24;
+constexpr double kMostShrunk = 0.021;  // of displacements at folds; there is no fold where all are 0
 
 }  // namespace
 
-std::size_t unfold_geometry(const spline::Basis& basis, std::vector<Vec2>& displacement) {
+std::size_t unfold_geometry(const spline::Basis& basis, std::vector<Vec2>& displacement, double shrink) {
   Folds folds(basis, displacement);
   std::size_t found = folds.find(kLeastArea);
-  for (int round = 0; round < kMaxRounds && found > 0; ++round) {
-    const std::vector<std::uint8_t> shrink = folds.groups();
+  for (double left = 1; left > kMostShrunk && found > 0; left *= shrink) {
+    const std::vector<std::uint8_t> folded = folds.groups();
     for (std::size_t g = 0; g < displacement.size(); ++g) {
-      if (shrink[g]) displacement[g] = kShrink * displacement[g];
+      if (folded[g]) displacement[g] = shrink * displacement[g];
     }
-    folds.change(displacement, shrink);
+    folds.change(displacement, folded);
     found = folds.find(kLeastArea);
   }
   return found;

@@ -34,6 +34,7 @@ Options preset_options(Preset preset) {
       options.half_rows = false;
       // What is meant to be true to the picture leaves its softer edges soft.
       options.detect.max_blur = 1;
+      options.drawn_blur = 2;
       options.correction.strength = 0.2;
       break;
   }
@@ -51,6 +52,8 @@ Options group_preset_options(Preset preset) {
 Options video_options(Options picture) {
   picture.first_share = std::max(picture.first_share, 0.95);
   picture.feature_share = std::min(picture.feature_share, 0.15);
+  // Each vertex has to be carried along.
+  picture.parametrize.polyline_distance = std::max(picture.parametrize.polyline_distance, 2.0);
   picture.correction.strength = std::min(picture.correction.strength, 0.2);
   return picture;
 }

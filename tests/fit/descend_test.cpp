@@ -60,6 +60,21 @@ void expect_sound(const spline::SplineSpace& space) {
 class Descent : public ::testing::TestWithParam<int> {};
 INSTANTIATE_TEST_SUITE_P(Degree, Descent, ::testing::Values(1, 2, 3));
 
+TEST_P(Descent, KnotsOnCurvesStayIfAsked) {
+  const image::Image image = picture(3);
+  const Pixels pixels{&image, {}, {}};
+  const ColourSurface from = start(featured_mesh(1), GetParam(), pixels);
+  const ColourSurface to = descend(from, pixels, {.steps = 4, .along_curves = false});
+  std::size_t moved = 0;
+  for (KnotIndex k = 0; k < from.space->mesh().knots.size(); ++k) {
+    const mesh::Knot& before = from.space->mesh().knots[k];
+    const bool stays = before.position == to.space->mesh().knots[k].position;
+    EXPECT_TRUE(stays || before.kind != KnotKind::kSegment) << k;
+    if (!stays) ++moved;
+  }
+  EXPECT_GT(moved, 0u);
+}
+
 TEST_P(Descent, NeverEndsWorseAndStaysSound) {
   const image::Image image = picture(3);
   const std::vector<Vec2> places = scattered_places(48, 40, 0.8, 5);

@@ -48,6 +48,40 @@ TEST(Vectorize, ContoursStaySharpWhenEnlarged) {
   EXPECT_LE(between, 2);
 }
 
+/// Root mean square of how far the outline of a disc, drawn sharply at 8x, is from the circle, in pixels of
+/// the picture.
+double outline_error(const document::FrameModel& model, Vec2 centre, double radius) {
+  const image::Image large = rendered(model, {.width = 8 * 120, .height = 8 * 90, .antialias = false});
+  double sum = 0;
+  constexpr int kRays = 360;
+  for (int i = 0; i < kRays; ++i) {
+    const double angle = 2 * 3.14159265358979 * i / kRays;
+    double r = 0;
+    const auto is_disc = [&](double at) {
+      const Vec2 p = 8 * (centre + Vec2{at * std::cos(angle), at * std::sin(angle)});
+      return large.at(static_cast<int>(p.x), static_cast<int>(p.y), 0) > 150;
+    };
+    while (r < 2 * radius && is_disc(r)) r += 1.0 / 16;
+    sum += (r - radius) * (r - radius);
+  }
+  return std::sqrt(sum / kRays);
+}
+
+TEST(Vectorize, DiscsStayRoundWhenEnlarged) {
+  for (const double radius : {9.0, 16.0, 30.0}) {
+    for (const Preset preset : {Preset::kFast, Preset::kBalanced, Preset::kFine}) {
+      const Vec2 centre{60.3, 44.6};
+      const image::Image picture = draw(120, 90, 3, [&](double x, double y) -> Colour {
+        const bool inside = std::hypot(x - centre.x, y - centre.y) < radius;
+        return inside ? Colour{230, 200, 120, 0} : Colour{60 + 0.3 * x, 90, 140 - 0.3 * y, 0};
+      });
+      const Vectorization v = vectorize_picture(picture, preset_options(preset));
+      EXPECT_EQ(v.report.chains, 1U);
+      EXPECT_LT(outline_error(v.model, centre, radius), 0.15) << radius << ' ' << static_cast<int>(preset);
+    }
+  }
+}
+
 TEST(Vectorize, ThinLinesHaveColoursOfTheirOwn) {
   const image::Image picture = draw(80, 60, 3, [](double x, double y) -> Colour {
     const double d = std::abs(x - 30 - 0.3 * y);

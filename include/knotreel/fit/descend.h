@@ -13,6 +13,9 @@ struct DescentOptions {
   int steps = 12;
   double first_step = 0.1;    ///< of a knot, as a share of its shortest edge
   double min_distance = 1.0;  ///< faces keep a quarter of it as their height, if they have that; pixels
+  /// Knots on feature segments move along them, too. Colours gain a little by that, but a geometry that is
+  /// fitted afterwards follows the curves less well.
+  bool along_curves = true;
   ColourFitOptions colour{};
   std::function<void()> on_step{};  ///< called before each step; may throw to stop the work
 };
@@ -34,10 +37,10 @@ struct SpaceAtPixels {
   spline::PixelValues values;
 };
 
-/// Descent on the true residual: moves the knots against knot_gradient(), each with a step of its own that
-/// grows while the gradient keeps its direction and shrinks when it turns, and fits the colours again after
-/// each step. Connectivity and links stay. A step may raise the error;
-/// the best surface met is returned.
+/// Descent on the true residual: moves the knots against knot_gradient(), each with a step of its
+/// own that grows while the gradient keeps its direction and shrinks when it turns, and fits the colours
+/// again after each step. Connectivity and links stay. A step may raise the error; the best surface met is
+/// returned.
 /// @param pixels their places in the domain are held.
 /// @param values of the functions of the start at the pixels, if they are there already.
 ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options,

@@ -15,9 +15,11 @@ struct CurvePoint {
 };
 
 struct GeometryFitOptions {
-  double feature_weight = 20;  ///< of points on features; pixels have 1 (paper sec. 7.2)
-  double ridge = 1e-5;         ///< as in ColourFitOptions: towards no displacement
-  double least = 1.0 / 64;     ///< displacements shorter than this are set to zero, pixels
+  /// Of points on features; pixels have 1. More than in the paper (sec. 7.2), where curves give way to the
+  /// pixels beside them and come out angular.
+  double feature_weight = 100;
+  double ridge = 1e-5;      ///< as in ColourFitOptions: towards no displacement
+  double least = 1.0 / 64;  ///< displacements shorter than this are set to zero, pixels
 };
 
 /// Least-squares fit of the geometry part (paper sec. 7.2, Eq. 12): the surface takes the place of each pixel
@@ -38,8 +40,11 @@ std::vector<double> geometry_errors(const spline::Basis& basis, std::span<const 
 
 /// Shrinks displacements where the map would fold over, which a least-squares fit does not prevent: at
 /// samples on both sides of all features its area must stay above a twentieth.
+/// @param shrink  factor of displacements at folds, each time: nearer to 1 takes longer and no more than it
+/// has to.
 /// @return the number of samples where that failed.
-std::size_t unfold_geometry(const spline::Basis& basis, std::vector<Vec2>& displacement);
+std::size_t unfold_geometry(const spline::Basis& basis, std::vector<Vec2>& displacement,
+                            double shrink = 0.95);
 
 /// Where the geometry takes points of the parametric domain.
 std::vector<Vec2> image_points(const spline::Basis& basis, std::span<const Vec2> displacement,

@@ -42,12 +42,15 @@ struct Options {
   bool picture_links = true;  ///< link triangulations chosen by the picture
   features::DetectOptions detect{
       .edge_threshold = 8, .anchor_threshold = 16, .min_length = 10, .min_weight = 600, .max_blur = 2};
+  /// In place of detect.max_blur, if that is smaller, for pictures whose edges are as sharp as those that are
+  /// drawn (features::mean_edge_width() below 1.3): the smooth surface does not replace these.
+  double drawn_blur = 0;
   features::FairOptions fair{};
   /// Half of the paper's: most edges of photographs are blurred by the lens, and what is made sharper than
   /// the picture costs PSNR (docs/decisions/0012).
   features::CorrectionOptions correction{.strength = 0.5};
-  /// Two pixels in place of the paper's three: the geometry part has less to bend, and folds less often.
-  param::ParametrizeOptions parametrize{.polyline_distance = 2};
+  /// Half of the paper's three pixels: the geometry part has less to bend, and folds less often.
+  param::ParametrizeOptions parametrize{.polyline_distance = 1.5};
   /// One to three simple knots per feature segment, about this far apart, > 0.
   double segment_knot_spacing = 12;
 
