@@ -130,7 +130,7 @@ TEST_F(CliDistinctPaths, StandardOutputIsForOne) {
                             {"vectorize", picture_, "-o", "-", "--stats", "-"},
                             {"render", document_, "-o", "-", "-f", "matroska", "--stats", "-"},
                             {"render", document_, "-o", "-", "-f", "matroska", "--progress", "-"},
-                            {"render", document_, "-o", "x", "-f", "hash", "--stats", "-"},
+                            {"render", document_, "-f", "hash", "--stats", "-"},
                             {"render", document_, "-o", path("o.mkv"), "--stats", "-", "--progress", "-"},
                             {"bench", clip_, "--json", "-", "--markdown"},
                             {"bench", clip_, "--passthrough", "-"}}) {
