@@ -80,6 +80,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "picture_links",
                                  "smooth_corners",
                                  "detect",
+                                 "drawn_blur",
                                  "fair",
                                  "correction",
                                  "parametrize",
