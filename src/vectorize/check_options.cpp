@@ -15,6 +15,7 @@ void check_options(const Options& options) {
     refuse("the share of features must be 0 to 1");
   if (!(options.first_share > 0 && options.first_share <= 1))
     refuse("the share of the first round must be above 0, up to 1");
+  if (!(options.unfold > 0 && options.unfold < 1)) refuse("what undoes folds must shrink");
   if (!(options.drawn_blur >= 0)) refuse("the blur of drawn edges cannot be negative");
   if (!(options.segment_knot_spacing > 0)) refuse("knots of feature segments must be some way apart");
   if (options.descent_steps < 0) refuse("the steps of the descent cannot be negative");

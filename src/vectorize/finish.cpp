@@ -39,7 +39,7 @@ std::vector<std::uint8_t> finish_geometry(const spline::Basis& basis, const Opti
   fit_geometry(*values, samples, options.geometry, draft);
   log.lap("geometry");
   document::round_displacement(draft.displacement, options.displacement_step);
-  log.report.geometry_folds = fit::unfold_geometry(basis, draft.displacement);
+  log.report.geometry_folds = fit::unfold_geometry(basis, draft.displacement, options.unfold);
   document::round_displacement(draft.displacement, options.displacement_step);
   measure_curves(basis, samples, draft);
   log.lap("unfold");

@@ -50,7 +50,7 @@ void descend(const Options& options, const Samples& samples, RunLog& log, Draft&
   fit::DescentOptions descent;
   descent.steps = options.descent_steps;
   descent.min_distance = options.optimise.min_distance;
-  descent.along_curves = false;
+  descent.along_curves = options.descend_along_curves;
   descent.colour = options.colour;
   descent.on_step = [&] { log.step("descent step"); };
   draft.surface =

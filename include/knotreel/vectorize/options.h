@@ -57,8 +57,10 @@ struct Options {
   knots::OptimiseOptions optimise{.rounds = 1, .steps = 4};
   fit::ColourFitOptions colour{.precision = fit::Precision::kSingle};
   fit::GeometryFitOptions geometry{};
+  double unfold = 0.95;   ///< factor of displacements at folds, as fit::unfold_geometry() takes it
   bool half_rows = true;  ///< rounds and descent look at pairs of rows: about half the time, -0.1 dB
   int descent_steps = 2;  ///< on the true residual; >= 0; 0: none
+  bool descend_along_curves = false;  ///< knots on features move, too: fit::DescentOptions::along_curves
 
   /// The last fit is to knots and displacements as keyframes of documents have them; ranges as there.
   int knot_bits = document::EncodeOptions{}.knot_bits;
