@@ -19,9 +19,7 @@ class CopiedDocument {
       : stream_(path), copier_(stream_.out(), plan.info, plan.steps) {}
 
   std::size_t append(document::Reader& from, std::size_t frame, const document::Copier::Place& place) {
-    const std::size_t knots = copier_.append(from, frame, place);
-    stream_.out().flush();
-    return knots;
+    return copier_.append(from, frame, place);
   }
   void finish() {
     copier_.finish();
@@ -36,7 +34,8 @@ class CopiedDocument {
 
 class Copying {
  public:
-  explicit Copying(const CopyJob& job) : job_(job), document_(job.document, job.plan) {
+  explicit Copying(const CopyJob& job) : job_(job) {
+    if (!job.document.empty()) document_.emplace(job.document, job.plan);
     make_split_folder(job.split_folder);
   }
 
@@ -47,8 +46,10 @@ class Copying {
       copy(frame);
     }
     // A document without a frame is none.
-    if (summary_.frames > 0) document_.finish();
-    summary_.document_bytes = document_.bytes();
+    if (document_ && summary_.frames > 0) {
+      document_->finish();
+      summary_.document_bytes = document_->bytes();
+    }
     return summary_;
   }
 
@@ -56,24 +57,28 @@ class Copying {
   void copy(const CopiedFrame& frame) {
     document::Reader& from = reader_of(frame);
     const bool follows = last_ && last_->document == frame.document && last_->frame + 1 == frame.frame;
-    const std::uint64_t index = summary_.frames;
     FrameRow row;
-    row.index = index;
+    row.index = summary_.frames;
     row.pts = frame.pts;
-    const std::uint64_t before = document_.bytes();
-    row.knots = document_.append(from, frame.frame, {index, frame.pts, follows});
-    row.bytes = document_.bytes() - before;
-    if (!job_.split_folder.empty()) write_single(from, frame, index);
+    if (document_) {
+      const std::uint64_t before = document_->bytes();
+      row.knots = document_->append(from, frame.frame, {row.index, frame.pts, follows});
+      row.bytes = document_->bytes() - before;
+    }
+    if (!job_.split_folder.empty()) row.knots = write_single(from, frame, row.index);
     last_ = frame;
     ++summary_.frames;
     row.finished_seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
     if (job_.on_frame) job_.on_frame(row);
   }
 
-  void write_single(document::Reader& from, const CopiedFrame& frame, std::uint64_t index) const {
+  /// @return the number of knots.
+  std::size_t write_single(document::Reader& from, const CopiedFrame& frame, std::uint64_t index) const {
     CopiedDocument single(single_path(job_.split_folder, index), job_.plan);
-    single.append(from, frame.frame, {index, frame.pts, false, true});
+    const std::size_t knots =
+        single.append(from, frame.frame, {index, frame.pts, /*follows=*/false, /*rename_knots=*/true});
     single.finish();
+    return knots;
   }
 
   document::Reader& reader_of(const CopiedFrame& frame) {
@@ -85,7 +90,7 @@ class Copying {
   }
 
   const CopyJob& job_;
-  CopiedDocument document_;
+  std::optional<CopiedDocument> document_;
   std::optional<document::Reader> reader_;
   std::optional<CopiedFrame> last_;
   CopySummary summary_;

@@ -57,7 +57,6 @@ constexpr int kFramesToRest = 4;
 constexpr double kRestToUse = 0.1;  // share of a picture; with less, to look for what is the same costs more
 constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
-constexpr double kUnfold = 0.85;         // of displacements at folds: there is no time for less
 
 using mesh::EditableMesh;
 using mesh::KnotIndex;
@@ -344,7 +343,7 @@ class Tracker::Impl {
     if (!has_new_features) held = resting_geometry(*frame_.space, resting_knots(frame_.space->mesh(), rest_));
     bend_geometry(*frame_.basis, edges.points, frame_.displacement, held);
     round_displacement();
-    fit::unfold_geometry(*frame_.basis, frame_.displacement, kUnfold);
+    fit::unfold_geometry(*frame_.basis, frame_.displacement, cold_.unfold);
     round_displacement();
     laps_->lap("geometry");
   }

@@ -101,6 +101,14 @@ TEST_F(CliVectorizeOptions, EveryOptionReachesThePipeline) {
   }
 }
 
+TEST_F(CliVectorizeOptions, AGivenBlurHoldsForDrawingsToo) {
+  const auto drawn_blur = [&](const std::vector<std::string>& options) {
+    return stats(options)["options"]["drawn_blur"].get<double>();
+  };
+  EXPECT_GT(drawn_blur({"--preset", "fine"}), 0);
+  EXPECT_EQ(drawn_blur({"--preset", "fine", "--max-blur", "1.5"}), 0);
+}
+
 TEST_F(CliVectorizeOptions, HelpTellsTheDefaultsThatHold) {
   const std::string help = test::knotreel({"vectorize", "--help"}).out;
   const json usual = stats({})["options"];

@@ -18,7 +18,7 @@ struct CopyJob {
   std::string document;      ///< to write; `-`: standard output; empty: none
   std::string split_folder;  ///< as Job::split_folder
   Stop stop;
-  FrameObserver on_frame;  ///< figures other than index, time, knots and bytes are 0
+  FrameObserver on_frame;  ///< figures other than index, times, knots and bytes of the document are 0
 };
 
 struct CopySummary {
