@@ -64,6 +64,10 @@ void add_effort(CLI::App& command, VectorizeOptions& options, const std::string&
       ->type_name("N|P%");
   add_number(command, "--mec", options.mec, "L", {0, 442},
              "Good enough: mean colour error per pixel, in levels of 0..255\n", text_of(defaults.mec));
+  add_number(command, "--block-error", options.block_error, "TIMES", {0, 1000},
+             "And the error of no part of 16x16 pixels is above so many times\nthat, so that nothing is left out "
+             "of an easy picture; 0: parts do not count\n",
+             text_of(defaults.block_error));
   add_number(command, "--meg", options.meg, "PX", {0, 1000},
              "Good enough: mean distance of features from their curves, in pixels\n", text_of(defaults.meg));
   add_number(command, "--rounds", options.rounds, "N", {1, 100},
@@ -142,6 +146,7 @@ vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_
       starts_group ? vectorize::group_preset_options(preset) : vectorize::preset_options(preset);
   options.max_control_points = bound(given, pixels);
   replace(options.mec, given.mec);
+  replace(options.block_error, given.block_error);
   replace(options.meg, given.meg);
   replace(options.rounds, given.rounds);
   replace(options.degree, given.degree);
@@ -152,6 +157,7 @@ vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_
   replace(options.detect.max_blur, given.max_blur);
   if (given.max_blur) options.drawn_blur = 0;
   if (given.edge_threshold) {
+    options.drawn_threshold = 0;
     // Hysteresis keeps its proportion.
     options.detect.anchor_threshold *= *given.edge_threshold / options.detect.edge_threshold;
     options.detect.edge_threshold = *given.edge_threshold;
@@ -172,6 +178,7 @@ vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_
 nlohmann::ordered_json options_json(const vectorize::Options& o) {
   return {{"degree", o.degree},
           {"mec", o.mec},
+          {"block_error", o.block_error},
           {"meg", o.meg},
           {"rounds", o.rounds},
           {"max_control_points", o.max_control_points},
@@ -193,6 +200,7 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
             {"max_blur", o.detect.max_blur},
             {"euclidean_magnitude", o.detect.euclidean_magnitude}}},
           {"drawn_blur", o.drawn_blur},
+          {"drawn_threshold", o.drawn_threshold},
           {"fair",
            {{"lambda", o.fair.lambda}, {"iterations", o.fair.iterations}, {"keep_size", o.fair.keep_size}}},
           {"correction",

@@ -17,6 +17,7 @@ struct VectorizeOptions {
   std::string preset = "balanced";
   std::optional<std::string> max_control_points;
   std::optional<double> mec;
+  std::optional<double> block_error;
   std::optional<double> meg;
   std::optional<int> rounds;
   std::optional<int> degree;

@@ -6,7 +6,6 @@
 #include "features/draw.h"
 #include "features/extract.h"
 #include "features/gradient.h"
-#include "features/profile.h"
 #include "knotreel/base/error.h"
 
 namespace knotreel::features {
@@ -38,23 +37,6 @@ FeatureChains detect_features(const image::Image& image, const DetectOptions& op
   check(image, options);
   const GradientField field = make_gradient_field(image, options);
   return extract_chains(draw_edges(field, options), field);
-}
-
-double mean_edge_width(const image::Image& image, const DetectOptions& options) {
-  check(image, options);
-  DetectOptions all = options;
-  all.max_blur = 0;
-  const GradientField field = make_gradient_field(image, all);
-  double contrast = 0;
-  double slope = 0;
-  for (const Chain& chain : extract_chains(draw_edges(field, all), field).chains) {
-    for (const ChainPoint& p : chain.points) {
-      const Transition t = transition(field, p.x, p.y);
-      contrast += t.contrast;
-      slope += t.slope;
-    }
-  }
-  return slope > 0 ? contrast / slope : 0;
 }
 
 }  // namespace knotreel::features

@@ -98,6 +98,7 @@ class FaceQueue {
     return std::nullopt;
   }
 
+  double error(FaceIndex f) const { return errors_[f]; }
   double total() const { return total_; }
 
  private:
@@ -134,9 +135,10 @@ std::size_t insert_knots(EditableMesh& mesh, const Target& target, const PlaceOp
   const double enough = options.mec * options.mec * static_cast<double>(target.image().pixel_count());
   std::size_t inserted = 0;
   std::vector<FaceIndex> ring;
-  while (mesh.knot_count() < options.max_knots && queue.total() > enough) {
+  while (mesh.knot_count() < options.max_knots) {
+    const double total = queue.total();
     const auto f = queue.pop();
-    if (!f) break;
+    if (!f || (total <= enough && queue.error(*f) <= options.face_error)) break;
     const auto k = insert_near(mesh, *f, error_centroid(mesh, target, *f), options.min_distance);
     if (!k) continue;
     mesh.legalise_around(*k);

@@ -10,13 +10,14 @@ void check_options(const Options& options) {
   const auto refuse = [](const char* what) { throw Error(ErrorKind::kInvalidArgument, what); };
   if (options.degree < 1 || options.degree > spline::kMaxDegree) refuse("the degree must be 1, 2 or 3");
   if (options.rounds < 1) refuse("at least one round is needed");
-  if (!(options.mec >= 0) || !(options.meg >= 0)) refuse("error bounds cannot be negative");
+  if (!(options.mec >= 0) || !(options.block_error >= 0) || !(options.meg >= 0)) refuse("error bounds cannot be negative");
   if (!(options.feature_share >= 0 && options.feature_share <= 1))
     refuse("the share of features must be 0 to 1");
   if (!(options.first_share > 0 && options.first_share <= 1))
     refuse("the share of the first round must be above 0, up to 1");
   if (!(options.unfold > 0 && options.unfold < 1)) refuse("what undoes folds must shrink");
   if (!(options.drawn_blur >= 0)) refuse("the blur of drawn edges cannot be negative");
+  if (!(options.drawn_threshold >= 0)) refuse("the threshold of drawn edges cannot be negative");
   if (!(options.segment_knot_spacing > 0)) refuse("knots of feature segments must be some way apart");
   if (options.descent_steps < 0) refuse("the steps of the descent cannot be negative");
   if (options.optimise.rounds < 0 || options.optimise.steps < 0)

@@ -1,7 +1,9 @@
 #include "vectorize/first_knots.h"
 
 #include <algorithm>
+#include <limits>
 
+#include "knotreel/knots/block_errors.h"
 #include "vectorize/feature_budget.h"
 
 namespace knotreel::vectorize {
@@ -15,8 +17,12 @@ constexpr double kLinearSlack = 1.3;
 knots::PlaceOptions first_knots(const mesh::EditableMesh& mesh, double functions, const Options& options) {
   const double per_knot = options.degree == 1 ? 1.0 : options.degree == 2 ? 2.56 : 4.1;
   const double more = std::max(0.0, (functions - expected_functions(mesh, options.degree)) / per_knot);
+  const double mec = options.mec * kLinearSlack;
+  const double block = mec * options.block_error;
   return {.max_knots = mesh.knot_count() + static_cast<std::size_t>(more),
-          .mec = options.mec * kLinearSlack,
+          .mec = mec,
+          .face_error = block > 0 ? knots::kBlockPixels * block * block
+                                  : std::numeric_limits<double>::infinity(),
           .min_distance = options.optimise.min_distance};
 }
 

@@ -58,6 +58,7 @@ Options video_options(Options picture) {
   picture.unfold = std::min(picture.unfold, 0.85);
   picture.descend_along_curves = true;
   picture.correction.strength = std::min(picture.correction.strength, 0.2);
+  picture.drawn_threshold = 0;
   return picture;
 }
 

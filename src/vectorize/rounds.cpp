@@ -4,9 +4,11 @@
 #include <utility>
 
 #include "knotreel/base/parallel.h"
+#include "knotreel/knots/block_errors.h"
 #include "knotreel/knots/idle_knots.h"
 #include "knotreel/knots/link_choice.h"
 #include "knotreel/knots/refine.h"
+#include "vectorize/first_knots.h"
 
 namespace knotreel::vectorize {
 
@@ -29,8 +31,8 @@ void Rounds::first(EditableMesh mesh, mesh::KnotMesh& knots) {
   fit(options_.rounds == 1);
 }
 
-bool Rounds::next(int round) {
-  if (!refine(round)) return false;
+bool Rounds::next(int round, bool only_blocks) {
+  if (!refine(round, only_blocks)) return false;
   fit(round == options_.rounds);
   return true;
 }
@@ -38,7 +40,9 @@ bool Rounds::next(int round) {
 void Rounds::settle_first_knots(mesh::KnotMesh& knots) {
   knots::optimise(*mesh_, target_, options_.optimise);
   log_.lap("optimise");
-  if (options_.optimise.connectivity) knots::remove_slivers(*mesh_, target_, options_.optimise);
+  // Where there are few knots, those of slivers were what held the error down.
+  if (options_.optimise.connectivity && knots::remove_slivers(*mesh_, target_, options_.optimise) > 0)
+    insert_first_knots(target_, max_functions_, options_, *mesh_);
   log_.lap("slivers");
   knots = mesh_->to_mesh();
   log_.progress.knot_mesh = &knots;
@@ -47,7 +51,7 @@ void Rounds::settle_first_knots(mesh::KnotMesh& knots) {
 
 /// Inserts knots where the last fit was worst, and moves there those that are idle elsewhere. @return whether
 /// there were any.
-bool Rounds::refine(int round) {
+bool Rounds::refine(int round, bool only_blocks) {
   const int left = options_.rounds - round + 1;
   const spline::SplineSpace& space = *draft_.surface.space;
   const double used = static_cast<double>(space.function_count());
@@ -62,9 +66,13 @@ bool Rounds::refine(int round) {
   curves_refined_ = !inserted.empty();
   refine.max_knots -= std::min(refine.max_knots, inserted.size());
   const image::Image& picture = samples_.picture();
-  const std::vector<float> errors = squared_errors(samples_, draft_);
-  refine.max_knots += knots::remove_idle_knots(
-      *mesh_, target_, knots::sorted_face_errors(*mesh_, errors, picture.width, picture.height), kSwap);
+  std::vector<float> errors = squared_errors(samples_, draft_, only_blocks);
+  if (only_blocks) {
+    knots::keep_worst_blocks(errors, picture.width, picture.height, options_.mec * options_.block_error);
+  } else {
+    refine.max_knots += knots::remove_idle_knots(
+        *mesh_, target_, knots::sorted_face_errors(*mesh_, errors, picture.width, picture.height), kSwap);
+  }
   const std::vector<KnotIndex> off_curves =
       knots::refine_knots(*mesh_, errors, samples_.places(), picture.width, picture.height, refine);
   inserted.insert(inserted.end(), off_curves.begin(), off_curves.end());

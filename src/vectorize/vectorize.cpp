@@ -2,11 +2,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
+#include <vector>
 
 #include "knotreel/base/error.h"
+#include "knotreel/knots/block_errors.h"
 #include "vectorize/check_options.h"
 #include "vectorize/draft.h"
 #include "vectorize/finish.h"
@@ -27,16 +30,25 @@ void check_picture(const image::Image& picture) {
     refuse("cannot vectorize a picture with samples that are not finite");
 }
 
-/// Whether the thresholds are met; by all pixels, since pairs of rows have less noise.
-bool is_good_enough(const Options& options, const Samples& samples, RunLog& log, Draft& draft) {
+/// What of the thresholds is missed.
+enum class Missed : std::uint8_t { kNothing, kBlocks, kMeans };
+
+/// By all pixels if it is not by far, since pairs of rows have less noise.
+Missed missed(const Options& options, const Samples& samples, RunLog& log, Draft& draft) {
   const auto met = [&] { return log.round().mec <= options.mec && log.round().meg <= options.meg; };
-  if (!met()) return false;
+  if (!met()) return Missed::kMeans;
   if (!draft.fits_all_pixels) {
     fit_all_pixels(draft.steering->basis, samples, options.colour, draft);
     log.lap("colours");
     measure_colours(samples, draft, log.round());
+    if (!met()) return Missed::kMeans;
   }
-  return met();
+  if (options.block_error == 0) return Missed::kNothing;
+  std::vector<float> errors = squared_errors(samples, draft, true);
+  const image::Image& picture = samples.picture();
+  const std::size_t blocks = knots::keep_worst_blocks(errors, picture.width, picture.height,
+                                                      options.mec * options.block_error);
+  return blocks > 0 ? Missed::kBlocks : Missed::kNothing;
 }
 
 /// Moves all knots against the true error.
@@ -72,10 +84,11 @@ class Run {
     Rounds rounds(options_, *start->target, samples, max_functions, log_, draft_);
     rounds.first(std::move(*start->mesh), start->mapped.knots);
     end_round(samples);
-    for (int round = 2; round <= options_.rounds && !is_good_enough(options_, samples, log_, draft_);
-         ++round) {
+    for (int round = 2; round <= options_.rounds; ++round) {
+      const Missed missed_by = missed(options_, samples, log_, draft_);
+      if (missed_by == Missed::kNothing) break;
       log_.begin_round("round " + std::to_string(round));
-      if (!rounds.next(round)) {
+      if (!rounds.next(round, missed_by == Missed::kBlocks)) {
         log_.report.rounds.pop_back();
         break;
       }

@@ -67,6 +67,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                       "seconds"});
   expect_keys(stats["options"], {"degree",
                                  "mec",
+                                 "block_error",
                                  "meg",
                                  "rounds",
                                  "max_control_points",
@@ -81,6 +82,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "smooth_corners",
                                  "detect",
                                  "drawn_blur",
+                                 "drawn_threshold",
                                  "fair",
                                  "correction",
                                  "parametrize",

@@ -74,6 +74,7 @@ TEST_F(CliVectorizeOptions, EveryOptionReachesThePipeline) {
   const auto at = [](const char* pointer) { return json::json_pointer(pointer); };
   const std::vector<Case> cases{
       {{"--mec", "0.5"}, at("/mec"), 0.5},
+      {{"--block-error", "2.5"}, at("/block_error"), 2.5},
       {{"--meg", "0"}, at("/meg"), 0.0},
       {{"--rounds", "2"}, at("/rounds"), 2},
       {{"--degree", "1"}, at("/degree"), 1},
@@ -101,12 +102,14 @@ TEST_F(CliVectorizeOptions, EveryOptionReachesThePipeline) {
   }
 }
 
-TEST_F(CliVectorizeOptions, AGivenBlurHoldsForDrawingsToo) {
-  const auto drawn_blur = [&](const std::vector<std::string>& options) {
-    return stats(options)["options"]["drawn_blur"].get<double>();
+TEST_F(CliVectorizeOptions, WhatIsGivenHoldsForDrawingsToo) {
+  const auto value = [&](const char* member, const std::vector<std::string>& options) {
+    return stats(options)["options"][member].get<double>();
   };
-  EXPECT_GT(drawn_blur({"--preset", "fine"}), 0);
-  EXPECT_EQ(drawn_blur({"--preset", "fine", "--max-blur", "1.5"}), 0);
+  EXPECT_GT(value("drawn_blur", {"--preset", "fine"}), 0);
+  EXPECT_EQ(value("drawn_blur", {"--preset", "fine", "--max-blur", "1.5"}), 0);
+  EXPECT_GT(value("drawn_threshold", {}), 0);
+  EXPECT_EQ(value("drawn_threshold", {"--edge-threshold", "9"}), 0);
 }
 
 TEST_F(CliVectorizeOptions, HelpTellsTheDefaultsThatHold) {
@@ -116,7 +119,7 @@ TEST_F(CliVectorizeOptions, HelpTellsTheDefaultsThatHold) {
     const std::size_t start = help.find("default ", help.find("\n  " + option + " ")) + 8;
     return std::stod(help.substr(start));
   };
-  for (const char* option : {"mec", "meg", "rounds", "descent-steps", "degree"}) {
+  for (const char* option : {"mec", "block-error", "meg", "rounds", "descent-steps", "degree"}) {
     std::string name = option;
     std::replace(name.begin(), name.end(), '-', '_');
     EXPECT_EQ(told("--" + std::string(option)), usual[name].get<double>()) << option;
@@ -151,7 +154,9 @@ TEST_F(CliVectorizeOptions, APresetComesFirstWhereverItStands) {
 TEST_F(CliVectorizeOptions, FeaturesCanBeLeftOut) {
   EXPECT_GT(stats({})["features"]["chains"], 0);
   EXPECT_EQ(stats({"--no-features"})["features"]["chains"], 0);
-  EXPECT_EQ(stats({"--min-feature-length", "1000"})["features"]["chains"], 0);
+  // With a threshold at which none links two others; those stay.
+  EXPECT_GT(stats({"--edge-threshold", "8"})["features"]["chains"], 0);
+  EXPECT_EQ(stats({"--edge-threshold", "8", "--min-feature-length", "1000"})["features"]["chains"], 0);
   EXPECT_EQ(stats({"--edge-threshold", "200"})["features"]["chains"], 0);
 }
 

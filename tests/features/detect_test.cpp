@@ -25,18 +25,6 @@ image::Image vertical_step(int width, int height, int column, double left, doubl
   return draw(width, height, [=](double x, double) { return x < column ? left : right; });
 }
 
-TEST(EdgeWidth, TellsDrawnEdgesFromBlurredOnes) {
-  EXPECT_NEAR(mean_edge_width(testing::disc(64, 31.7, 32.2, 20)), 1.22, 0.08);
-  const auto ramp = [](double width) {
-    return testing::draw(64, 64, [=](double x, double y) {
-      return 50 + 150 * std::clamp((std::hypot(x - 32, y - 32) - 20) / width + 0.5, 0.0, 1.0);
-    });
-  };
-  EXPECT_GT(mean_edge_width(ramp(3)), 2);
-  EXPECT_LT(mean_edge_width(ramp(3)), mean_edge_width(ramp(5)));
-  EXPECT_EQ(mean_edge_width(testing::draw(32, 32, [](double, double) { return 90.0; })), 0);
-}
-
 TEST(Detect, AHardStepIsExact) {
   for (const double right : {90.0, 255.0}) {
     for (const int column : {6, 7, 10, 20}) {

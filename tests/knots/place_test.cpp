@@ -75,6 +75,24 @@ TEST(InsertKnots, StopWhenTheErrorIsSmallEnough) {
   EXPECT_EQ(insert_knots(mesh, target, {.max_knots = 5000, .mec = 6}), 0u);
 }
 
+TEST(InsertKnots, GoOnWhileAFaceIsWrongThoughThePictureIsNot) {
+  const mesh::KnotMesh start = testing::scattered_mesh(100, 80, 25, kPlaceSeed);
+  const Target target = target_for(start);
+  const auto largest = [&](const EditableMesh& mesh) {
+    double error = 0;
+    for (mesh::FaceIndex f = 0; f < mesh.face_slots(); ++f)
+      if (mesh.is_face(f)) error = std::max(error, target.error(mesh.triangle(f)));
+    return error;
+  };
+  EditableMesh met(start);
+  insert_knots(met, target, {.max_knots = 5000, .mec = 1000});
+  ASSERT_EQ(met.knot_count(), start.knots.size());
+  const double bound = largest(met) / 20;
+  insert_knots(met, target, {.max_knots = 5000, .mec = 1000, .face_error = bound});
+  EXPECT_LE(largest(met), bound);
+  EXPECT_GT(largest(met), bound / 20) << "far beyond what was asked for";
+}
+
 TEST(InsertKnots, NothingIsDoneForAPictureOfOneColour) {
   EditableMesh mesh(testing::scattered_mesh(60, 40, 20, kPlaceSeed));
   const Target flat(testing::drawn(60, 40, 3, [](double, double, int) { return 77; }), {});

@@ -260,7 +260,7 @@ TEST(Tracker, WhatIsAtRestStaysAsItIs) {
   const std::vector<image::Image> pictures = halves_at_rest(90);
   vectorize::Options cold;
   cold.max_control_points = 700;
-  cold.mec = 1;
+  cold.mec = 0;
   TrackOptions options;
   options.restart_gain = 100;  // a new group would have other knots
   Tracker tracker(cold, options);

@@ -118,6 +118,58 @@ TEST(Vectorize, RoundsEndWhenThePictureIsMet) {
   EXPECT_LT(v.report.rounds.front().knots, 12U);
 }
 
+/// The largest root mean square error of the blocks of 16x16 pixels.
+double worst_block(const image::Image& picture, const document::FrameModel& model) {
+  const image::Image drawn = rendered(model);
+  double worst = 0;
+  for (int y = 0; y + 16 <= picture.height; y += 16) {
+    for (int x = 0; x + 16 <= picture.width; x += 16) {
+      double sum = 0;
+      for (int i = 0; i < 256; ++i) {
+        for (int c = 0; c < picture.channels; ++c) {
+          const double d = picture.at(x + i % 16, y + i / 16, c) - drawn.at(x + i % 16, y + i / 16, c);
+          sum += d * d;
+        }
+      }
+      worst = std::max(worst, std::sqrt(sum / 256));
+    }
+  }
+  return worst;
+}
+
+TEST(Vectorize, NothingIsLeftOutWhereTheRestIsEasy) {
+  // A soft spot on a ground so smooth that the mean error is small without it.
+  const image::Image picture = draw(320, 240, 3, [](double x, double y) {
+    const double spot = 50 / (1 + std::exp((std::hypot(x - 200, y - 150) - 12) / 1.5));
+    return Colour{90 + 0.1 * x + spot, 100 + spot, 150 - 0.1 * y - spot};
+  });
+  Options options;
+  const Vectorization v = vectorize_picture(picture, options);
+  EXPECT_EQ(v.report.chains, 0U) << "this is about what is smooth";
+  EXPECT_LT(worst_block(picture, v.model), options.mec * options.block_error);
+  EXPECT_LT(v.report.rounds.back().control_points, most_control_points(options, picture.pixel_count()) / 2)
+      << "the rest is easy";
+  options.block_error = 0;
+  const Vectorization by_mean = vectorize_picture(picture, options);
+  EXPECT_LE(by_mean.report.rounds.back().mec, options.mec);
+  EXPECT_GT(worst_block(picture, by_mean.model), 2 * options.mec * Options{}.block_error);
+}
+
+TEST(Vectorize, FaintShapesAreFeaturesOfDrawings) {
+  const auto scene = [](double noise) {
+    return draw(160, 120, 3, [=](double x, double y) {
+      const double disc = std::hypot(x - 80, y - 60) < 40 ? 10 : 0;
+      const double grain = noise * std::sin(70.1 * std::floor(x) + 13.7 * std::floor(y) * std::floor(x));
+      return Colour{120 + disc + grain, 130 - disc + grain, 140 + grain};
+    });
+  };
+  EXPECT_EQ(vectorize_picture(scene(0)).report.chains, 1U);
+  EXPECT_EQ(vectorize_picture(scene(4)).report.chains, 0U) << "grain, so it is no drawing";
+  Options options;
+  options.drawn_threshold = 0;
+  EXPECT_EQ(vectorize_picture(scene(0), options).report.chains, 0U);
+}
+
 TEST(Vectorize, TheFirstRoundTakesItsShareOfTheControlPoints) {
   const image::Image picture = still_life(120, 90);
   for (const double share : {0.5, 0.9, 1.0}) {
@@ -289,6 +341,10 @@ TEST(Vectorize, RefusesOptionsOutOfRange) {
   EXPECT_TRUE(refuses([](Options& o) { o.segment_knot_spacing = 0; }));
   EXPECT_TRUE(refuses([&](Options& o) { o.segment_knot_spacing = nan; }));
   EXPECT_TRUE(refuses([](Options& o) { o.feature_share = 1.5; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.block_error = -1; }));
+  EXPECT_TRUE(refuses([&](Options& o) { o.block_error = nan; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.drawn_threshold = -1; }));
+  EXPECT_TRUE(refuses([&](Options& o) { o.drawn_threshold = nan; }));
   EXPECT_TRUE(refuses([](Options& o) { o.first_share = 0; }));
   EXPECT_TRUE(refuses([](Options& o) { o.first_share = 1.5; }));
   EXPECT_TRUE(refuses([&](Options& o) { o.first_share = nan; }));

@@ -33,10 +33,4 @@ struct DetectOptions {
 /// samples. Safe to call from several threads; equal input gives equal bits for any thread count.
 FeatureChains detect_features(const image::Image& image, const DetectOptions& options = {});
 
-/// How wide the edges of a picture are in the mean, in pixels as for max_blur: their contrasts over their
-/// steepest steps. Edges that are drawn and antialiased have 1.2, jagged ones 1, those of cameras more. Edges
-/// are those that detect_features() finds without max_blur; 0 if there are none. Throws and may be called as
-/// that.
-double mean_edge_width(const image::Image& image, const DetectOptions& options = {});
-
 }  // namespace knotreel::features

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <limits>
 #include <optional>
 
 #include "knotreel/knots/target.h"
@@ -12,6 +13,8 @@ struct PlaceOptions {
   std::size_t max_knots = 1000;  ///< no more knots than this in all
   double mec = 0;             ///< stop when the root mean square error per pixel of the best piecewise linear
                               ///< approximation is below this; levels, 0..255
+  /// And the squared error, summed over its pixels, of each face.
+  double face_error = std::numeric_limits<double>::infinity();
   double min_distance = 1.0;  ///< of a new knot from others, from features and from the border; pixels
 };
 

@@ -25,6 +25,9 @@ enum class Preset : std::uint8_t {
 struct Options {
   int degree = 2;                      ///< of the splines, 1 to 3
   double mec = 2;                      ///< rounds stop when the mean colour error per pixel is below; >= 0
+  /// Times mec: and the root mean square error of each block of 16x16 pixels is, so that nothing is left out
+  /// where the rest is easy (docs/decisions/0032); 0: blocks do not count.
+  double block_error = 4;
   double meg = 1;                      ///< and the mean error of the feature curves too, pixels; >= 0
   int rounds = 3;                      ///< of fitting, each but the first after inserting knots; 1 or more
   std::size_t max_control_points = 0;  ///< upper bound; 0: default_control_points()
@@ -42,9 +45,12 @@ struct Options {
   bool picture_links = true;  ///< link triangulations chosen by the picture
   features::DetectOptions detect{
       .edge_threshold = 8, .anchor_threshold = 16, .min_length = 10, .min_weight = 600, .max_blur = 2};
-  /// In place of detect.max_blur, if that is smaller, for pictures whose edges are as sharp as those that are
-  /// drawn (features::mean_edge_width() below 1.3): the smooth surface does not replace these.
+  /// For drawings (features::flat_share() 0.6 or more). In place of detect.max_blur, if that is smaller: the
+  /// smooth surface does not replace their edges.
   double drawn_blur = 0;
+  /// In place of detect.edge_threshold, if that is larger, with the anchor threshold in proportion: there is
+  /// no noise, so that faint edges are edges, too. 0: off.
+  double drawn_threshold = 1;
   features::FairOptions fair{};
   /// Half of the paper's: most edges of photographs are blurred by the lens, and what is made sharper than
   /// the picture costs PSNR (docs/decisions/0012).

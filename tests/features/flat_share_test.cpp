@@ -1,0 +1,54 @@
+#include "knotreel/features/flat_share.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <random>
+
+#include "features/drawings.h"
+
+namespace knotreel::features {
+namespace {
+
+constexpr unsigned kNoiseSeed = 5;
+
+TEST(FlatShare, RampsAreFlatAndBendsAreNot) {
+  const auto ramp = [](double x, double y) { return 20 + 1.7 * x - 0.9 * y; };
+  EXPECT_EQ(flat_share(testing::draw(40, 30, ramp)), 1);
+  EXPECT_EQ(flat_share(testing::draw(40, 30, [](double x, double y) { return x * x + 0.1 * y; })), 0);
+  // One of the two directions is enough.
+  EXPECT_EQ(flat_share(testing::draw(40, 30, [](double x, double y) { return 0.1 * x + y * y; })), 0);
+}
+
+TEST(FlatShare, OfADiscAllPixelsButThoseAtItsOutlineAre) {
+  const double share = flat_share(testing::disc(64, 31.7, 32.2, 20));
+  const double ring = 2 * 3.14159265 * 20 / (62.0 * 62.0);  // one pixel wide
+  EXPECT_LT(share, 1 - 1.5 * ring);
+  EXPECT_GT(share, 1 - 4 * ring);
+}
+
+TEST(FlatShare, NoiseIsNotFlat) {
+  SCOPED_TRACE(kNoiseSeed);
+  std::mt19937 random(kNoiseSeed);
+  std::normal_distribution<double> noise(0, 30);
+  EXPECT_LT(flat_share(testing::draw(64, 48, [&](double, double) { return 90 + noise(random); })), 0.1);
+}
+
+TEST(FlatShare, EachChannelCounts) {
+  image::Image picture = image::make_image(16, 12, 3);
+  std::fill(picture.samples.begin(), picture.samples.end(), 50.0F);
+  EXPECT_EQ(flat_share(picture), 1);
+  for (std::size_t i = 2; i < picture.samples.size(); i += 6) picture.samples[i] = 55;
+  EXPECT_EQ(flat_share(picture), 0);
+}
+
+TEST(FlatShare, PicturesWithoutAnInsideHaveNone) {
+  const auto grey = [](double, double) { return 7.0; };
+  EXPECT_EQ(flat_share(testing::draw(1, 1, grey)), 0);
+  EXPECT_EQ(flat_share(testing::draw(2, 50, grey)), 0);
+  EXPECT_EQ(flat_share(testing::draw(50, 2, grey)), 0);
+  EXPECT_EQ(flat_share(testing::draw(3, 3, grey)), 1);
+}
+
+}  // namespace
+}  // namespace knotreel::features
