@@ -64,10 +64,11 @@ void add_effort(CLI::App& command, VectorizeOptions& options, const std::string&
       ->type_name("N|P%");
   add_number(command, "--mec", options.mec, "L", {0, 442},
              "Good enough: mean colour error per pixel, in levels of 0..255\n", text_of(defaults.mec));
-  add_number(command, "--block-error", options.block_error, "TIMES", {0, 1000},
-             "And the error of no part of 16x16 pixels is above so many times\nthat, so that nothing is left out "
-             "of an easy picture; 0: parts do not count\n",
-             text_of(defaults.block_error));
+  add_number(
+      command, "--block-error", options.block_error, "TIMES", {0, 1000},
+      "And the error of no part of 16x16 pixels is above so many times\nthat, so that nothing is left out "
+      "of an easy picture; 0: parts do not count\n",
+      text_of(defaults.block_error));
   add_number(command, "--meg", options.meg, "PX", {0, 1000},
              "Good enough: mean distance of features from their curves, in pixels\n", text_of(defaults.meg));
   add_number(command, "--rounds", options.rounds, "N", {1, 100},

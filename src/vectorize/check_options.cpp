@@ -10,7 +10,8 @@ void check_options(const Options& options) {
   const auto refuse = [](const char* what) { throw Error(ErrorKind::kInvalidArgument, what); };
   if (options.degree < 1 || options.degree > spline::kMaxDegree) refuse("the degree must be 1, 2 or 3");
   if (options.rounds < 1) refuse("at least one round is needed");
-  if (!(options.mec >= 0) || !(options.block_error >= 0) || !(options.meg >= 0)) refuse("error bounds cannot be negative");
+  if (!(options.mec >= 0) || !(options.block_error >= 0) || !(options.meg >= 0))
+    refuse("error bounds cannot be negative");
   if (!(options.feature_share >= 0 && options.feature_share <= 1))
     refuse("the share of features must be 0 to 1");
   if (!(options.first_share > 0 && options.first_share <= 1))

@@ -15,8 +15,8 @@ namespace {
 
 using mesh::EditableMesh;
 
-// Of the pixels of a drawing that are flat, at least; screenshots and clip art have 0.64 and more, what is left
-// of films by codecs 0.5 and less.
+// Of the pixels of a drawing that are flat, at least; screenshots and clip art have 0.64 and more, what is
+// left of films by codecs 0.5 and less.
 constexpr double kDrawnShare = 0.6;
 
 /// Without noise, which thresholds are there for, faint edges are edges, too.

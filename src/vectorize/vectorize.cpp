@@ -46,8 +46,8 @@ Missed missed(const Options& options, const Samples& samples, RunLog& log, Draft
   if (options.block_error == 0) return Missed::kNothing;
   std::vector<float> errors = squared_errors(samples, draft, true);
   const image::Image& picture = samples.picture();
-  const std::size_t blocks = knots::keep_worst_blocks(errors, picture.width, picture.height,
-                                                      options.mec * options.block_error);
+  const std::size_t blocks =
+      knots::keep_worst_blocks(errors, picture.width, picture.height, options.mec * options.block_error);
   return blocks > 0 ? Missed::kBlocks : Missed::kNothing;
 }
 

@@ -13,7 +13,7 @@ TEST(BlockErrors, KeepsBlocksAboveTheBoundAndNoOthers) {
   constexpr int kHeight = 20;
   std::vector<float> errors(std::size_t{kWidth} * kHeight, 4);  // 2 levels everywhere
   errors[0] += 256 * 12 - 1;                                    // the first block: 4 levels, nearly
-  errors[18 * kWidth + 35] += 32 * 12 + 1;                      // the last one: 8 by 4 pixels, a little above 4
+  errors[18 * kWidth + 35] += 32 * 12 + 1;  // the last one: 8 by 4 pixels, a little above 4
   const std::vector<float> before = errors;
   EXPECT_EQ(keep_worst_blocks(errors, kWidth, kHeight, 4), 1U);
   for (int y = 0; y < kHeight; ++y) {

@@ -137,12 +137,17 @@ double worst_block(const image::Image& picture, const document::FrameModel& mode
   return worst;
 }
 
-TEST(Vectorize, NothingIsLeftOutWhereTheRestIsEasy) {
-  // A soft spot on a ground so smooth that the mean error is small without it.
-  const image::Image picture = draw(320, 240, 3, [](double x, double y) {
-    const double spot = 50 / (1 + std::exp((std::hypot(x - 200, y - 150) - 12) / 1.5));
+/// A soft spot on a ground so smooth that the mean error is small without it.
+image::Image soft_spot(double waves) {
+  return draw(320, 240, 3, [=](double x, double y) {
+    const double spot = 50 / (1 + std::exp((std::hypot(x - 200, y - 150) - 12) / 1.5)) +
+                        waves * std::sin(0.5 * x) * std::sin(0.6 * y);
     return Colour{90 + 0.1 * x + spot, 100 + spot, 150 - 0.1 * y - spot};
   });
+}
+
+TEST(Vectorize, NothingIsLeftOutWhereTheRestIsEasy) {
+  const image::Image picture = soft_spot(0);
   Options options;
   const Vectorization v = vectorize_picture(picture, options);
   EXPECT_EQ(v.report.chains, 0U) << "this is about what is smooth";
@@ -153,6 +158,21 @@ TEST(Vectorize, NothingIsLeftOutWhereTheRestIsEasy) {
   const Vectorization by_mean = vectorize_picture(picture, options);
   EXPECT_LE(by_mean.report.rounds.back().mec, options.mec);
   EXPECT_GT(worst_block(picture, by_mean.model), 2 * options.mec * Options{}.block_error);
+  EXPECT_GT(v.report.rounds.front().knots, by_mean.report.rounds.front().knots)
+      << "the first ones count, too";
+}
+
+TEST(Vectorize, OnceTheMeanIsMetKnotsGoToWhatIsLeftOutOnly) {
+  const image::Image picture = soft_spot(1.5);
+  Options options;
+  options.block_error = 1.6;
+  const Vectorization v = vectorize_picture(picture, options);
+  const auto used = [&](std::size_t round) {
+    return static_cast<double>(v.report.rounds[round].control_points);
+  };
+  ASSERT_EQ(v.report.rounds[1].name, "round 2");
+  EXPECT_LE(v.report.rounds[0].mec, options.mec);
+  EXPECT_LT(used(1), 1.8 * used(0));
 }
 
 TEST(Vectorize, FaintShapesAreFeaturesOfDrawings) {

@@ -4,8 +4,8 @@
 
 namespace knotreel::features {
 
-/// Share of the pixels, 0 to 1, at which a picture is flat or a ramp: second differences along the row and the
-/// column are at most one level in all channels. Drawings, logos and screenshots have 0.64 and more,
+/// Share of the pixels, 0 to 1, at which a picture is flat or a ramp: second differences along the row and
+/// the column are at most one level in all channels. Drawings, logos and screenshots have 0.64 and more,
 /// photographs 0.01 to 0.04, frames of films, from which codecs take the noise, up to 0.5.
 /// Pixels at the sides do not count; 0 if there are no others. Safe to call from several threads; same bits
 /// for any number of threads.

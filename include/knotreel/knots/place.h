@@ -11,8 +11,8 @@ namespace knotreel::knots {
 
 struct PlaceOptions {
   std::size_t max_knots = 1000;  ///< no more knots than this in all
-  double mec = 0;             ///< stop when the root mean square error per pixel of the best piecewise linear
-                              ///< approximation is below this; levels, 0..255
+  double mec = 0;  ///< stop when the root mean square error per pixel of the best piecewise linear
+                   ///< approximation is below this; levels, 0..255
   /// And the squared error, summed over its pixels, of each face.
   double face_error = std::numeric_limits<double>::infinity();
   double min_distance = 1.0;  ///< of a new knot from others, from features and from the border; pixels

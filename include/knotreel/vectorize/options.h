@@ -23,8 +23,8 @@ enum class Preset : std::uint8_t {
 
 /// All settings of a picture's way to a vector model. Lengths are pixels, errors levels of 0..255.
 struct Options {
-  int degree = 2;                      ///< of the splines, 1 to 3
-  double mec = 2;                      ///< rounds stop when the mean colour error per pixel is below; >= 0
+  int degree = 2;  ///< of the splines, 1 to 3
+  double mec = 2;  ///< rounds stop when the mean colour error per pixel is below; >= 0
   /// Times mec: and the root mean square error of each block of 16x16 pixels is, so that nothing is left out
   /// where the rest is easy (docs/decisions/0032); 0: blocks do not count.
   double block_error = 4;
