@@ -12,13 +12,14 @@ namespace knotreel::track {
 namespace {
 
 // Weights, relative to that of a point of a curve.
-constexpr double kElasticity = 3;  // of the difference of two neighbours over their distance
-constexpr double kInertia = 0.05;  // of the change of a control point
-constexpr double kScreen = 0.005;  // of its displacement, if it reaches a curve
-constexpr double kAway = 0.5;      // more of that, if it does not and its neighbours are far away
-constexpr double kFar = 2;         // pixels to the nearest of them, for half of it
-constexpr int kRings = 3;          // of control points around the curves that may change
-constexpr double kFade = 0.125;    // pixels that displacements elsewhere lose: nothing asks for them
+constexpr double kStiffness = 3;     // of the difference of two neighbours' changes over their distance
+constexpr double kElasticity = 0.3;  // of that of their displacements
+constexpr double kInertia = 0.05;    // of the change of a control point
+constexpr double kScreen = 0.005;    // of its displacement, if it reaches a curve
+constexpr double kAway = 0.5;        // more of that, if it does not and its neighbours are far away
+constexpr double kFar = 2;           // pixels to the nearest of them, for half of it
+constexpr int kRings = 3;            // of control points around the curves that may change
+constexpr double kFade = 0.125;      // pixels that displacements elsewhere lose: nothing asks for them
 
 using NetEdge = std::pair<std::uint32_t, std::uint32_t>;
 
@@ -74,9 +75,13 @@ class ElasticSheet {
     };
     for (const auto& [a, b] : edges_) {
       const Vec2 d = sites_[a] - sites_[b];
-      const double weight = kElasticity / (dot(d, d) + 1);  // never much more than a point
+      const double stiffness = kStiffness / (dot(d, d) + 1);  // never much more than a point
+      const double weight = stiffness + kElasticity / (dot(d, d) + 1);
+      const Vec2 difference = before_[a] - before_[b];
       const int i = row_of_[a];
       const int j = row_of_[b];
+      if (i >= 0) pull(i, stiffness, difference);
+      if (j >= 0) pull(j, -stiffness, difference);
       if (i >= 0) entries.emplace_back(i, i, weight);
       if (j >= 0) entries.emplace_back(j, j, weight);
       if (i >= 0 && j >= 0) entries.emplace_back(std::max(i, j), std::min(i, j), -weight);

@@ -30,4 +30,7 @@ struct FittedFrame {
   const spline::PixelValues& values() const { return seen.placed->values(); }
 };
 
+/// Of the residual, summed over the channels; per pixel, 0 where features cross.
+std::vector<float> squared_errors(const FittedFrame& frame);
+
 }  // namespace knotreel::track

@@ -4,7 +4,6 @@
 #include <numeric>
 #include <utility>
 
-#include "knotreel/base/parallel.h"
 #include "knotreel/fit/descend.h"
 #include "knotreel/fit/knot_gradient.h"
 #include "knotreel/knots/idle_knots.h"
@@ -26,24 +25,6 @@ using mesh::KnotMesh;
 constexpr double kLeastShare = 0.25;    // of what features may use, that a group without any may come to
 constexpr double kFunctionsOfKnot = 3;  // about: the least by which a group grows
 constexpr double kBoundLeeway = 0.003;  // of the bound, that new knots leave: links that change need room too
-
-/// Per pixel; 0 where features cross.
-std::vector<float> squared_errors(const FittedFrame& frame) {
-  const auto channels = static_cast<std::size_t>(frame.seen.picture.channels);
-  const std::vector<float>& residual = frame.colours.residual;
-  const std::vector<float>& weights = frame.seen.weights;
-  std::vector<float> squared(residual.size() / channels);
-  const auto width = static_cast<std::size_t>(frame.seen.picture.width);
-  parallel_for(squared.size() / width, [&](std::size_t row) {
-    for (std::size_t i = row * width; i < (row + 1) * width; ++i) {
-      float sum = 0;
-      for (std::size_t c = 0; c < channels; ++c)
-        sum += residual[i * channels + c] * residual[i * channels + c];
-      squared[i] = weights.empty() || weights[i] >= 1 ? sum : 0;
-    }
-  });
-  return squared;
-}
 
 }  // namespace
 

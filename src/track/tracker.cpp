@@ -10,6 +10,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"
+#include "knotreel/knots/block_errors.h"
 #include "knotreel/knots/idle_knots.h"
 #include "knotreel/raster/edge_softness.h"
 #include "knotreel/spline/fingerprint.h"
@@ -55,6 +56,8 @@ namespace {
 constexpr int kFramesToBend = 16;
 constexpr int kFramesToRest = 4;
 constexpr double kRestToUse = 0.1;  // share of a picture; with less, to look for what is the same costs more
+constexpr double kSquaredOverMec = 2;    // mean squared error over the square of the MEC, about
+constexpr double kLeftOut = 2;           // times vectorize::Options::block_error: where that is seen at once
 constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 
@@ -120,20 +123,20 @@ class Tracker::Impl {
     laps_.emplace(report.milliseconds);
     report.start = groups_.next(motion);
     most_functions_ = vectorize::most_control_points(cold_, picture.pixel_count());
-    if (report.start == Start::kWarm && motion->repeated) {
-      report.survival = 1;
-      report.psnr = watch_.last();
-      report.mec = last_mec_;
-    } else if (report.start == Start::kWarm) {
-      make_warm(picture, *motion);
-      const bool look = report.mec > cold_.mec && watch_.is_time_to_look(report.psnr);
+    if (report.start == Start::kWarm) {
+      if (motion->repeated) {
+        repeat();
+      } else {
+        make_warm(picture, *motion);
+      }
+      const bool look = misses_thresholds() && watch_.is_time_to_look(report.psnr);
       cold = look ? better_cold_frame(picture) : nullptr;
       if (cold) {
         report.start = Start::kDrift;
         report.survival = 0;  // what was done before was in vain
         report.changes = {};
         groups_.restart();
-      } else {
+      } else if (!motion->repeated) {
         const bool needs_mending = watch_.needs_mending(report.psnr, report.changes.repairs > 0);
         watch_.end_frame(report.psnr, report.changes.repairs > 0);
         coarseness_.end_frame(report.psnr);
@@ -193,7 +196,24 @@ class Tracker::Impl {
     report_->psnr = quality.psnr;
   }
 
+  /// Whether the frame is above the error that is good enough, or something is left out of it.
+  bool misses_thresholds() const {
+    if (report_->mec > cold_.mec) return true;
+    if (cold_.block_error == 0) return false;
+    std::vector<float> errors = squared_errors(frame_);
+    const image::Image& picture = frame_.seen.picture;
+    const double bound = kLeftOut * cold_.block_error * cold_.mec;
+    return knots::keep_worst_blocks(errors, picture.width, picture.height, bound) > 0;
+  }
+
   // -- warm frames
+
+  /// The picture is that of the frame before, and so is the model.
+  void repeat() {
+    report_->survival = 1;
+    report_->psnr = watch_.last();
+    report_->mec = last_mec_;
+  }
 
   void make_warm(const image::Image& picture, const Motion& motion) {
     rework_last();
@@ -288,10 +308,16 @@ class Tracker::Impl {
     return nullptr;
   }
 
-  /// Of a cold frame, about: that of the last one, less what the picture has become harder since.
+  /// Of a cold frame, about: that of the last one, less what the picture has become harder since, but at
+  /// least what is good enough if the bound on control points allows that.
   double expected_psnr() {
     constexpr double kLeast = 1;  // squared levels, of the whole picture
-    return last_cold_.psnr - 10 * std::log10((difficulty_now() + kLeast) / (*last_cold_.difficulty + kLeast));
+    const double by_last =
+        last_cold_.psnr - 10 * std::log10((difficulty_now() + kLeast) / (*last_cold_.difficulty + kLeast));
+    const double pixels = static_cast<double>(target_->image().pixel_count());
+    const double good_enough = pixels * kSquaredOverMec * cold_.mec * cold_.mec;
+    if (difficulty_now() > good_enough) return by_last;
+    return std::max(by_last, 10 * std::log10(255.0 * 255 * target_->channels() * pixels / good_enough));
   }
 
   /// The space over a mesh that comes from the one there is, whose links are given. How many functions knots
