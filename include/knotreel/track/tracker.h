@@ -110,8 +110,8 @@ struct FrameReport {
 
 /// Makes the vector model of each picture of a video from that of the picture before (docs/algorithm.md,
 /// "video"): knots and features follow the motion, where nothing moves nothing changes, and only the colours
-/// are fitted again. A picture that is repeated has the model that it had. Frames come in order; not safe to
-/// use from several threads. The result does not depend on the number of threads.
+/// are fitted again. A picture that is repeated has the model that it had, if that is good. Frames come in
+/// order; not safe to use from several threads. The result does not depend on the number of threads.
 class Tracker {
  public:
   /// @param first why the first frame starts a group: a tracker may begin at a cut, since nothing of what was
