@@ -85,14 +85,14 @@ void add_features(CLI::App& command, VectorizeOptions& options) {
   const features::DetectOptions defaults = vectorize::Options{}.detect;
   add_number(command, "--edge-threshold", options.edge_threshold, "L", {0.1, 255},
              fmt::format("Least gradient of an edge, in levels of 0..255 per pixel; a feature needs\n"
-                         "{:.2g} times as much somewhere ",
+                         "{:.2g} times as much somewhere\n",
                          defaults.anchor_threshold / defaults.edge_threshold),
-             text_of(defaults.edge_threshold));
+             text_of(defaults.edge_threshold) + fmt::format("; {} for drawn pictures, not videos",
+                                                            text_of(vectorize::Options{}.drawn_threshold)));
   add_number(command, "--min-feature-length", options.min_feature_length, "PX", {0, 100000},
              "Shorter features are dropped, in pixels ", text_of(defaults.min_length));
   add_number(command, "--max-blur", options.max_blur, "PX", {0, 100},
-             "Wider edges are left to the smooth surface, in pixels; 0: none are;\nfine: 2 where edges are "
-             "as sharp as drawn ones\n",
+             "Wider edges are left to the smooth surface, in pixels; 0: none are;\nfine: 2 for drawings\n",
              by_preset([](const vectorize::Options& o) { return text_of(o.detect.max_blur); }));
   command.add_flag("--no-features", options.no_features, "Look for no features: smooth everywhere");
   command.add_flag("--no-fairing", options.no_fairing, "Leave the curves of features as they were found");

@@ -74,18 +74,15 @@ void measure_colours(const Samples& samples, const Draft& draft, RoundReport& re
   report.psnr = 10 * std::log10(255.0 * 255.0 * sum / draft.surface.fit.squared_error);
 }
 
-std::vector<float> squared_errors(const Samples& samples, const Draft& draft, bool only_counted) {
+std::vector<float> squared_errors(const Samples& samples, const Draft& draft) {
   const image::Image& picture = samples.picture();
   const auto channels = static_cast<std::size_t>(picture.channels);
   const auto width = static_cast<std::size_t>(picture.width);
-  const std::span<const float> weights =
-      draft.fits_all_pixels ? samples.weights() : samples.steering().weights;
   const std::size_t rows_per_row = draft.fits_all_pixels || !samples.steers_by_half_rows() ? 1 : 2;
   std::vector<float> squared(picture.pixel_count(), 0);
   parallel_for(squared.size() / width, [&](std::size_t y) {
     for (std::size_t x = 0; x < width; ++x) {
       const std::size_t from = y / rows_per_row * width + x;
-      if (only_counted && !weights.empty() && weights[from] < 1) continue;
       for (std::size_t c = 0; c < channels; ++c) {
         const float d = draft.surface.fit.residual[from * channels + c];
         squared[y * width + x] += d * d;

@@ -35,7 +35,7 @@ void measure_curves(const spline::Basis& basis, const Samples& samples, Draft& d
 
 /// Writes MEC and PSNR of the residual, over the pixels that count.
 void measure_colours(const Samples& samples, const Draft& draft, RoundReport& report);
-/// Of the residual, for all pixels. @param only_counted 0 for those that features cross, as MEC and PSNR.
-std::vector<float> squared_errors(const Samples& samples, const Draft& draft, bool only_counted);
+/// Of the residual, for all pixels.
+std::vector<float> squared_errors(const Samples& samples, const Draft& draft);
 
 }  // namespace knotreel::vectorize

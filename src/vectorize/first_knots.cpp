@@ -19,11 +19,11 @@ knots::PlaceOptions first_knots(const mesh::EditableMesh& mesh, double functions
   const double more = std::max(0.0, (functions - expected_functions(mesh, options.degree)) / per_knot);
   const double mec = options.mec * kLinearSlack;
   const double block = mec * options.block_error;
-  return {
-      .max_knots = mesh.knot_count() + static_cast<std::size_t>(more),
-      .mec = mec,
-      .face_error = block > 0 ? knots::kBlockPixels * block * block : std::numeric_limits<double>::infinity(),
-      .min_distance = options.optimise.min_distance};
+  return {.max_knots = mesh.knot_count() + static_cast<std::size_t>(more),
+          .mec = mec,
+          .face_error = block > 0 ? knots::kBlockSide * knots::kBlockSide * block * block
+                                  : std::numeric_limits<double>::infinity(),
+          .min_distance = options.optimise.min_distance};
 }
 
 void insert_first_knots(const knots::Target& target, std::size_t max_functions, const Options& options,

@@ -1,6 +1,5 @@
 #include "vectorize/mapped_picture.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "knotreel/base/error.h"
@@ -22,11 +21,11 @@ constexpr double kDrawnShare = 0.6;
 /// Without noise, which thresholds are there for, faint edges are edges, too.
 features::DetectOptions detect_options(const image::Image& picture, const Options& options) {
   features::DetectOptions detect = options.detect;
-  const bool can_differ = options.drawn_blur > detect.max_blur ||
-                          (options.drawn_threshold > 0 && options.drawn_threshold < detect.edge_threshold);
-  if (!can_differ || features::flat_share(picture) < kDrawnShare) return detect;
-  detect.max_blur = std::max(detect.max_blur, options.drawn_blur);
-  if (options.drawn_threshold > 0 && options.drawn_threshold < detect.edge_threshold) {
+  const bool softer = options.drawn_blur > detect.max_blur;
+  const bool fainter = options.drawn_threshold > 0 && options.drawn_threshold < detect.edge_threshold;
+  if (!(softer || fainter) || features::flat_share(picture) < kDrawnShare) return detect;
+  if (softer) detect.max_blur = options.drawn_blur;
+  if (fainter) {
     detect.anchor_threshold *= options.drawn_threshold / detect.edge_threshold;
     detect.edge_threshold = options.drawn_threshold;
   }

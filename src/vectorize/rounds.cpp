@@ -4,7 +4,6 @@
 #include <utility>
 
 #include "knotreel/base/parallel.h"
-#include "knotreel/knots/block_errors.h"
 #include "knotreel/knots/idle_knots.h"
 #include "knotreel/knots/link_choice.h"
 #include "knotreel/knots/refine.h"
@@ -31,8 +30,8 @@ void Rounds::first(EditableMesh mesh, mesh::KnotMesh& knots) {
   fit(options_.rounds == 1);
 }
 
-bool Rounds::next(int round, bool only_blocks) {
-  if (!refine(round, only_blocks)) return false;
+bool Rounds::next(int round, const std::vector<float>& left_out) {
+  if (!refine(round, left_out)) return false;
   fit(round == options_.rounds);
   return true;
 }
@@ -51,7 +50,7 @@ void Rounds::settle_first_knots(mesh::KnotMesh& knots) {
 
 /// Inserts knots where the last fit was worst, and moves there those that are idle elsewhere. @return whether
 /// there were any.
-bool Rounds::refine(int round, bool only_blocks) {
+bool Rounds::refine(int round, const std::vector<float>& left_out) {
   const int left = options_.rounds - round + 1;
   const spline::SplineSpace& space = *draft_.surface.space;
   const double used = static_cast<double>(space.function_count());
@@ -66,13 +65,13 @@ bool Rounds::refine(int round, bool only_blocks) {
   curves_refined_ = !inserted.empty();
   refine.max_knots -= std::min(refine.max_knots, inserted.size());
   const image::Image& picture = samples_.picture();
-  std::vector<float> errors = squared_errors(samples_, draft_, only_blocks);
-  if (only_blocks) {
-    knots::keep_worst_blocks(errors, picture.width, picture.height, options_.mec * options_.block_error);
-  } else {
+  std::vector<float> of_all;
+  if (left_out.empty()) {
+    of_all = squared_errors(samples_, draft_);
     refine.max_knots += knots::remove_idle_knots(
-        *mesh_, target_, knots::sorted_face_errors(*mesh_, errors, picture.width, picture.height), kSwap);
+        *mesh_, target_, knots::sorted_face_errors(*mesh_, of_all, picture.width, picture.height), kSwap);
   }
+  const std::vector<float>& errors = left_out.empty() ? of_all : left_out;
   const std::vector<KnotIndex> off_curves =
       knots::refine_knots(*mesh_, errors, samples_.places(), picture.width, picture.height, refine);
   inserted.insert(inserted.end(), off_curves.begin(), off_curves.end());

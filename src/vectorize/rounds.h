@@ -24,13 +24,13 @@ class Rounds {
 
   /// @param mesh with the first knots. @param knots that mesh, with the knots where they have settled.
   void first(mesh::EditableMesh mesh, mesh::KnotMesh& knots);
-  /// @param round from 2 on. @param only_blocks the picture as a whole is good enough: knots go where blocks
-  /// are above Options::block_error only. @return whether it changed anything.
-  bool next(int round, bool only_blocks);
+  /// @param round from 2 on. @param left_out if not empty, the picture as a whole is good enough, and knots
+  /// go only where these squared errors of the pixels are. @return whether it changed anything.
+  bool next(int round, const std::vector<float>& left_out);
 
  private:
   void settle_first_knots(mesh::KnotMesh& knots);
-  bool refine(int round, bool only_blocks);
+  bool refine(int round, const std::vector<float>& left_out);
   std::vector<mesh::KnotIndex> refine_curves();
   void make_space(bool last_round);
   void keep_bound(bool last_round);

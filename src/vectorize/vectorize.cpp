@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "knotreel/base/error.h"
+#include "knotreel/fit/squared_errors.h"
 #include "knotreel/knots/block_errors.h"
 #include "vectorize/check_options.h"
 #include "vectorize/draft.h"
@@ -31,24 +31,29 @@ void check_picture(const image::Image& picture) {
 }
 
 /// What of the thresholds is missed.
-enum class Missed : std::uint8_t { kNothing, kBlocks, kMeans };
+struct Missed {
+  bool means = false;
+  std::vector<float> blocks;  ///< else: squared errors in blocks above the bound, 0 elsewhere; empty: none is
+};
 
 /// By all pixels if it is not by far, since pairs of rows have less noise.
 Missed missed(const Options& options, const Samples& samples, RunLog& log, Draft& draft) {
   const auto met = [&] { return log.round().mec <= options.mec && log.round().meg <= options.meg; };
-  if (!met()) return Missed::kMeans;
+  if (!met()) return {.means = true, .blocks = {}};
   if (!draft.fits_all_pixels) {
     fit_all_pixels(draft.steering->basis, samples, options.colour, draft);
     log.lap("colours");
     measure_colours(samples, draft, log.round());
-    if (!met()) return Missed::kMeans;
+    if (!met()) return {.means = true, .blocks = {}};
   }
-  if (options.block_error == 0) return Missed::kNothing;
-  std::vector<float> errors = squared_errors(samples, draft, true);
+  if (options.block_error == 0) return {};
   const image::Image& picture = samples.picture();
+  std::vector<float> errors =
+      fit::squared_errors(draft.surface.fit.residual, samples.weights(), picture.channels);
   const std::size_t blocks =
       knots::keep_worst_blocks(errors, picture.width, picture.height, options.mec * options.block_error);
-  return blocks > 0 ? Missed::kBlocks : Missed::kNothing;
+  if (blocks == 0) return {};
+  return {.blocks = std::move(errors)};
 }
 
 /// Moves all knots against the true error.
@@ -85,10 +90,10 @@ class Run {
     rounds.first(std::move(*start->mesh), start->mapped.knots);
     end_round(samples);
     for (int round = 2; round <= options_.rounds; ++round) {
-      const Missed missed_by = missed(options_, samples, log_, draft_);
-      if (missed_by == Missed::kNothing) break;
+      const Missed left = missed(options_, samples, log_, draft_);
+      if (!left.means && left.blocks.empty()) break;
       log_.begin_round("round " + std::to_string(round));
-      if (!rounds.next(round, missed_by == Missed::kBlocks)) {
+      if (!rounds.next(round, left.blocks)) {
         log_.report.rounds.pop_back();
         break;
       }
