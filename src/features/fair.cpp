@@ -8,8 +8,10 @@
 namespace knotreel::features {
 namespace {
 
-/// Within one pixel of the pixel's centre per axis.
-Vec2 clamped(const ChainPoint& p, Vec2 q) {
+/// Within one pixel of the pixel's centre per axis, and no further than `most` from where the point was.
+Vec2 clamped(const ChainPoint& p, Vec2 before, double most, Vec2 q) {
+  const Vec2 shift = q - before;
+  if (norm(shift) > most) q = before + (most / norm(shift)) * shift;
   return {std::clamp(q.x, p.x - 0.5, p.x + 1.5), std::clamp(q.y, p.y - 0.5, p.y + 1.5)};
 }
 
@@ -24,13 +26,14 @@ Vec2 mean_of_neighbours(const Chain& chain, const std::vector<Vec2>& p, std::siz
 }
 
 /// One step of Eq. 5; back again, and a little further, for negative lambda.
-void step(Chain& chain, double lambda, std::vector<Vec2>& old) {
+void step(Chain& chain, const std::vector<Vec2>& before, double lambda, double most, std::vector<Vec2>& old) {
   old.resize(chain.points.size());
   const std::size_t fixed = chain.closed ? 0 : 1;
   for (std::size_t i = 0; i < old.size(); ++i) old[i] = chain.points[i].position;
   for (std::size_t i = fixed; i + fixed < old.size(); ++i) {
     ChainPoint& p = chain.points[i];
-    p.position = clamped(p, (1 - lambda) * old[i] + lambda * mean_of_neighbours(chain, old, i));
+    p.position =
+        clamped(p, before[i], most, (1 - lambda) * old[i] + lambda * mean_of_neighbours(chain, old, i));
   }
 }
 
@@ -49,12 +52,15 @@ void fair_chains(FeatureChains& chains, const FairOptions& options) {
   if (options.iterations < 0) {
     throw Error(ErrorKind::kInvalidArgument, "the iterations of the fairing must not be negative");
   }
+  if (!(options.max_shift > 0))
+    throw Error(ErrorKind::kInvalidArgument, "the shift of the fairing must be positive");
   const Positions before = positions_of(chains);
   std::vector<Vec2> scratch;
-  for (Chain& chain : chains.chains) {
+  for (std::size_t c = 0; c < chains.chains.size(); ++c) {
+    Chain& chain = chains.chains[c];
     for (int round = 0; round < options.iterations; ++round) {
-      step(chain, options.lambda, scratch);
-      if (options.keep_size) step(chain, step_back(options.lambda), scratch);
+      step(chain, before[c], options.lambda, options.max_shift, scratch);
+      if (options.keep_size) step(chain, before[c], step_back(options.lambda), options.max_shift, scratch);
     }
   }
   untangle(chains, before);

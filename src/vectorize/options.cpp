@@ -35,7 +35,6 @@ Options preset_options(Preset preset) {
       // What is meant to be true to the picture leaves its softer edges soft.
       options.detect.max_blur = 1;
       options.drawn_blur = 2;
-      options.correction.strength = 0.2;
       break;
   }
   return options;
@@ -57,7 +56,6 @@ Options video_options(Options picture) {
   picture.geometry.feature_weight = std::min(picture.geometry.feature_weight, 20.0);
   picture.unfold = std::min(picture.unfold, 0.85);
   picture.descend_along_curves = true;
-  picture.correction.strength = std::min(picture.correction.strength, 0.2);
   picture.drawn_threshold = 0;
   return picture;
 }

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "features/drawings.h"
@@ -15,10 +16,12 @@ namespace {
 using testing::chain_through;
 using testing::square_chain;
 
+constexpr double kAnywhere = 9;  // pixels; more than points are allowed to go
+
 TEST(Fair, IsTheEquationOfThePaper) {
   FeatureChains chains{40, 40, {square_chain(5, 5, 12)}, 0};
   const auto before = chains.chains[0].points;
-  fair_chains(chains, {.lambda = 0.3, .iterations = 1, .keep_size = false});
+  fair_chains(chains, {.lambda = 0.3, .iterations = 1, .keep_size = false, .max_shift = kAnywhere});
   const std::size_t n = before.size();
   for (std::size_t i = 0; i < n; ++i) {
     const auto at = [&](std::size_t k) { return before[(i + n + k - 2) % n].position; };
@@ -31,7 +34,7 @@ TEST(Fair, StraightLinesStayAndNodesStay) {
   FeatureChains chains{40, 40, {}, 2};
   chains.chains.push_back(chain_through({{2, 3}, {3, 3}, {4, 3}, {5, 3}, {6, 3}, {7, 3}}, 0, 1));
   chains.chains[0].points[3].position.y += 0.4;
-  fair_chains(chains, {.lambda = 0.5, .iterations = 1, .keep_size = false});
+  fair_chains(chains, {.lambda = 0.5, .iterations = 1, .keep_size = false, .max_shift = kAnywhere});
   const auto& points = chains.chains[0].points;
   EXPECT_EQ(points.front().position, Vec2(2.5, 3.5));
   EXPECT_EQ(points.back().position, Vec2(7.5, 3.5));
@@ -69,13 +72,13 @@ TEST(Fair, StaircasesBecomeStraight) {
     return sum;
   };
   const double before = roughness();
-  fair_chains(chains);
+  fair_chains(chains, {.max_shift = kAnywhere});
   EXPECT_LT(roughness(), 0.25 * before);
 }
 
 TEST(Fair, NeverLeavesItsPixelByMoreThanOne) {
   FeatureChains chains{40, 40, {square_chain(5, 5, 12), square_chain(25, 25, 4)}, 0};
-  fair_chains(chains, {.lambda = 1, .iterations = 200, .keep_size = false});
+  fair_chains(chains, {.lambda = 1, .iterations = 200, .keep_size = false, .max_shift = kAnywhere});
   bool at_bound = false;
   for (const Chain& chain : chains.chains) {
     for (const ChainPoint& p : chain.points) {
@@ -90,6 +93,19 @@ TEST(Fair, NeverLeavesItsPixelByMoreThanOne) {
   EXPECT_FALSE(find_defect(chains));
 }
 
+TEST(Fair, PointsStayWithinTheShift) {
+  FeatureChains chains{40, 40, {square_chain(5, 5, 12), square_chain(25, 25, 4)}, 0};
+  const FeatureChains before = chains;
+  fair_chains(chains, {.iterations = 20, .keep_size = false, .max_shift = 0.1});
+  double furthest = 0;
+  for (std::size_t c = 0; c < chains.chains.size(); ++c) {
+    for (std::size_t i = 0; i < chains.chains[c].points.size(); ++i)
+      furthest =
+          std::max(furthest, norm(chains.chains[c].points[i].position - before.chains[c].points[i].position));
+  }
+  EXPECT_NEAR(furthest, 0.1, 1e-12) << "corners would go further";
+}
+
 TEST(Fair, CurvesThatWouldCrossStay) {
   // A corner points at a line one pixel away, and the line bends towards it.
   FeatureChains chains{40, 40, {}, 4};
@@ -100,7 +116,7 @@ TEST(Fair, CurvesThatWouldCrossStay) {
   chains.chains[0].points[3].position.y += 0.9;
   chains.chains[0].points[4].position.y += 0.9;
   ASSERT_FALSE(find_defect(chains));
-  fair_chains(chains, {.lambda = 1, .iterations = 30, .keep_size = false});
+  fair_chains(chains, {.lambda = 1, .iterations = 30, .keep_size = false, .max_shift = kAnywhere});
   EXPECT_FALSE(find_defect(chains));
 }
 
@@ -110,6 +126,8 @@ TEST(Fair, WrongOptionsAreRefused) {
   EXPECT_THROW(fair_chains(chains, {.lambda = 1.1}), Error);
   EXPECT_THROW(fair_chains(chains, {.lambda = std::nan("")}), Error);
   EXPECT_THROW(fair_chains(chains, {.iterations = -1}), Error);
+  EXPECT_THROW(fair_chains(chains, {.max_shift = 0}), Error);
+  EXPECT_THROW(fair_chains(chains, {.max_shift = std::nan("")}), Error);
 }
 
 }  // namespace

@@ -5,9 +5,10 @@
 namespace knotreel::features {
 
 struct FairOptions {
-  double lambda = 0.5;    ///< share of the neighbours, 0..1
-  int iterations = 3;     ///< >= 0
-  bool keep_size = true;  ///< each step is followed by one back [Taubin95], so that curves do not shrink
+  double lambda = 0.5;      ///< share of the neighbours, 0..1
+  int iterations = 3;       ///< >= 0
+  bool keep_size = true;    ///< each step is followed by one back [Taubin95], so that curves do not shrink
+  double max_shift = 0.05;  ///< px, > 0: no point goes further from where it was
 };
 
 /// Smooths the curves by p_i <- (1 - lambda) p_i + lambda/4 (p_{i-2} + p_{i-1} + p_{i+1} + p_{i+2}) (paper
@@ -16,7 +17,8 @@ struct FairOptions {
 /// Where curves would cross or touch afterwards, points go back to where they came from.
 ///
 /// The paper takes one step without `keep_size`, from pixel centres. Detected positions are better than that:
-/// steps alone would move a circle of radius 10 inwards by 0.09 px each, from an error of 0.03 px.
+/// steps alone would move a circle of radius 10 inwards by 0.09 px each, from an error of 0.03 px. So points
+/// stay within `max_shift` (decision 33): what is further off is a corner, or the end of a stroke.
 /// @throws Error{kInvalidArgument} for options out of range.
 /// Linear time. Safe to call from several threads on different chains.
 void fair_chains(FeatureChains& chains, const FairOptions& options = {});

@@ -52,11 +52,11 @@ struct Options {
   /// no noise, so that faint edges are edges, too. 0: off.
   double drawn_threshold = 1;
   features::FairOptions fair{};
-  /// Half of the paper's: most edges of photographs are blurred by the lens, and what is made sharper than
-  /// the picture costs PSNR (docs/decisions/0012).
-  features::CorrectionOptions correction{.strength = 0.5};
-  /// Half of the paper's three pixels: the geometry part has less to bend, and folds less often.
-  param::ParametrizeOptions parametrize{.polyline_distance = 1.5};
+  /// A fifth of the paper's: most edges of photographs are blurred by the lens, and what is made sharper than
+  /// the picture costs PSNR (docs/decisions/0012, 0033).
+  features::CorrectionOptions correction{.strength = 0.2};
+  /// A third of the paper's three pixels: the geometry part has less to bend, and folds less often.
+  param::ParametrizeOptions parametrize{.polyline_distance = 1};
   /// One to three simple knots per feature segment, about this far apart, > 0.
   double segment_knot_spacing = 12;
 
