@@ -1,6 +1,7 @@
 #include "vectorize/feature_budget.h"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 #include <vector>
 
@@ -9,12 +10,16 @@ namespace knotreel::vectorize {
 namespace {
 
 // Share of the control points that features may use up as long as there are weak ones: those of little
-// contrast (in levels) within three pixels that have more of it farther away, which are soft edges.
+// worth within three pixels that have more contrast farther away, which are soft edges.
 constexpr double kWeakShare = 0.1;
-constexpr double kWeakContrast = 140;
+constexpr double kWeakWorth = 140;  // levels
 constexpr double kSharpness = 0.93;
-// Of a share, when it is exceeded: estimates by pixels are rough, and another try costs a parametrization.
+// Of the share of weak ones, when it is exceeded: estimates by pixels are rough, and another try costs a
+// parametrization.
 constexpr double kMargin = 0.75;
+// Of the share of all: where features are so many, most are text or texture, and what is between them needs
+// the control points more.
+constexpr double kCutBack = 0.5;
 
 std::size_t chain_pixels(const features::FeatureChains& chains) {
   std::size_t pixels = 0;
@@ -22,8 +27,26 @@ std::size_t chain_pixels(const features::FeatureChains& chains) {
   return pixels;
 }
 
+// Curves that turn by 1 / kTurnsAreDear radians per pixel (a radius of so many pixels) cost twice as many
+// control points as straight ones, about.
+constexpr double kTurnsAreDear = 8;
+constexpr std::size_t kStep = 4;  // points, between which the direction of a chain is taken
+
+/// Radians per pixel.
+double turning(const features::Chain& chain) {
+  double sum = 0;
+  Vec2 before{};
+  for (std::size_t i = 0; i + kStep < chain.points.size(); i += kStep) {
+    const Vec2 step = chain.points[i + kStep].position - chain.points[i].position;
+    const double lengths = norm(before) * norm(step);
+    if (lengths > 0) sum += std::acos(std::clamp(dot(before, step) / lengths, -1.0, 1.0));
+    before = step;
+  }
+  return sum / static_cast<double>(chain.points.size());
+}
+
 struct RankedChain {
-  double contrast = 0;  ///< levels
+  double worth = 0;  ///< levels of contrast, for what straight ones cost
   bool weak = false;
   features::Chain chain;
 };
@@ -31,12 +54,14 @@ struct RankedChain {
 RankedChain ranked(const image::Image& picture, features::Chain chain) {
   const double contrast = mean_range(picture, chain, 1);
   const bool sharp = contrast >= kSharpness * mean_range(picture, chain, 3);
-  return {contrast, contrast < kWeakContrast && !sharp, std::move(chain)};
+  const double worth = contrast / (1 + kTurnsAreDear * turning(chain));
+  return {worth, worth < kWeakWorth && !sharp, std::move(chain)};
 }
 
-/// Drops the chains of least contrast, or the weak ones among them, until at most this share of the feature
-/// pixels is left: what a chain costs grows with its length, as does what it is good for, but the latter
-/// with its contrast too.
+/// Drops the chains that are worth least, or the weak ones among them, until at most this share of the
+/// feature pixels is left. What a chain costs grows with its length, as does what it is good for, but the
+/// latter with its contrast too; and text and texture, which turn all the time, cost more per pixel than
+/// outlines.
 /// @return whether any was dropped.
 bool keep_strongest(const image::Image& picture, double share, bool weak_only,
                     features::FeatureChains& chains) {
@@ -44,7 +69,7 @@ bool keep_strongest(const image::Image& picture, double share, bool weak_only,
   std::vector<RankedChain> all;
   for (features::Chain& c : chains.chains) all.push_back(ranked(picture, std::move(c)));
   std::stable_sort(all.begin(), all.end(),
-                   [](const RankedChain& a, const RankedChain& b) { return a.contrast > b.contrast; });
+                   [](const RankedChain& a, const RankedChain& b) { return a.worth > b.worth; });
   std::size_t kept = 0;
   chains.chains.clear();
   for (RankedChain& r : all) {
@@ -99,7 +124,7 @@ void keep_within_budget(const image::Image& picture, double functions, double mo
   if (functions <= kWeakShare * most) return;
   if (keep_strongest(picture, kMargin * kWeakShare * most / functions, true, chains)) return;
   if (functions <= share * most) return;
-  keep_strongest(picture, kMargin * share * most / functions, false, chains);
+  keep_strongest(picture, kCutBack * share * most / functions, false, chains);
 }
 
 }  // namespace knotreel::vectorize

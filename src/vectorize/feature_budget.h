@@ -19,8 +19,8 @@ double expected_functions(const features::FeatureChains& chains);
 double mean_range(const image::Image& picture, const features::Chain& chain, int radius);
 
 /// Drops feature chains that cost more control points than features may use up, before any knot is put
-/// between them: those of least contrast, and first of all weak ones, which the smooth surface can stand in
-/// for.
+/// between them: those of least contrast for what they cost, weak ones first, which the smooth surface can
+/// stand in for.
 /// @param functions that the chains cost together. @param most control points of the whole model.
 /// @param share     of these for features, 0 to 1.
 void keep_within_budget(const image::Image& picture, double functions, double most, double share,

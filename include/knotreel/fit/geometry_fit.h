@@ -17,7 +17,7 @@ struct CurvePoint {
 struct GeometryFitOptions {
   /// Of points on features; pixels have 1. More than in the paper (sec. 7.2), where curves give way to the
   /// pixels beside them and come out angular.
-  double feature_weight = 100;
+  double feature_weight = 200;
   double ridge = 1e-5;      ///< as in ColourFitOptions: towards no displacement
   double least = 1.0 / 64;  ///< displacements shorter than this are set to zero, pixels
 };

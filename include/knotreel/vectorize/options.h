@@ -38,7 +38,8 @@ struct Options {
 
   bool features = true;  ///< whether to look for features at all
   /// Share of the control points that features may use up, 0 to 1; those of least contrast are left out. It
-  /// is 0.6 at least where the first knots need but two fifths of all.
+  /// is 0.6 at least where the first knots need but two fifths of all: otherwise text and the like would
+  /// leave nothing for the rest.
   double feature_share = 0.6;
   bool fairing = true;
   bool colour_correction = true;

@@ -1,0 +1,71 @@
+#include "vectorize/feature_budget.h"
+
+#include <gtest/gtest.h>
+
+#include <utility>
+#include <vector>
+
+#include "knotreel/features/chains.h"
+#include "knotreel/image/image.h"
+
+namespace knotreel::vectorize {
+namespace {
+
+using features::Chain;
+using features::FeatureChains;
+
+constexpr int kSide = 100;
+
+/// A checkerboard of fields of two pixels: every chain has the same contrast at any distance, so none is
+/// weak.
+image::Image fields_of(float contrast) {
+  image::Image picture;
+  picture.width = picture.height = kSide;
+  picture.channels = 1;
+  for (int y = 0; y < kSide; ++y) {
+    for (int x = 0; x < kSide; ++x) picture.samples.push_back((x / 2 + y / 2) % 2 == 0 ? 0 : contrast);
+  }
+  return picture;
+}
+
+Chain straight(int y, int points) {
+  Chain chain;
+  for (int i = 0; i < points; ++i) chain.points.push_back({10 + i, y, {10.5 + i, y + 0.5}});
+  return chain;
+}
+
+/// Turns by half a right angle every few pixels, to and fro.
+Chain winding(int y, int points) {
+  Chain chain = straight(y, points);
+  for (int i = 0; i < points; ++i) {
+    const int step = i % 16 < 8 ? i % 8 : 8 - i % 8;
+    chain.points[static_cast<std::size_t>(i)].y = y + step;
+    chain.points[static_cast<std::size_t>(i)].position.y = y + step + 0.5;
+  }
+  return chain;
+}
+
+FeatureChains chains_of(std::vector<Chain> list) {
+  return {kSide, kSide, std::move(list), 6};
+}
+
+TEST(FeatureBudget, WhatFitsStays) {
+  FeatureChains chains = chains_of({straight(20, 60), winding(60, 60)});
+  keep_within_budget(fields_of(200), 60, 1000, 0.6, chains);
+  EXPECT_EQ(chains.chains.size(), 2U);
+}
+
+TEST(FeatureBudget, OfTheSameContrastTheStraightOneStays) {
+  const std::vector<std::vector<Chain>> orders{{straight(20, 30), winding(50, 30), winding(70, 30)},
+                                               {winding(50, 30), straight(20, 30), winding(70, 30)},
+                                               {winding(50, 30), winding(70, 30), straight(20, 30)}};
+  for (const std::vector<Chain>& order : orders) {
+    FeatureChains chains = chains_of(order);
+    keep_within_budget(fields_of(200), 100, 99, 1, chains);  // somewhat less than half of the pixels may stay
+    ASSERT_EQ(chains.chains.size(), 1U);
+    EXPECT_EQ(chains.chains[0].points.back().y, 20);
+  }
+}
+
+}  // namespace
+}  // namespace knotreel::vectorize
