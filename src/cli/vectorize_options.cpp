@@ -185,6 +185,7 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
           {"max_control_points", o.max_control_points},
           {"first_share", o.first_share},
           {"feature_share", o.feature_share},
+          {"max_turning", o.max_turning},
           {"descent_steps", o.descent_steps},
           {"seed", o.seed},
           {"features", o.features},

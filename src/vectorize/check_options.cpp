@@ -14,6 +14,7 @@ void check_options(const Options& options) {
     refuse("error bounds cannot be negative");
   if (!(options.feature_share >= 0 && options.feature_share <= 1))
     refuse("the share of features must be 0 to 1");
+  if (!(options.max_turning >= 0)) refuse("the turning of features cannot be negative");
   if (!(options.first_share > 0 && options.first_share <= 1))
     refuse("the share of the first round must be above 0, up to 1");
   if (!(options.unfold > 0 && options.unfold < 1)) refuse("what undoes folds must shrink");

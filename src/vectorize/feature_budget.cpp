@@ -27,8 +27,9 @@ std::size_t chain_pixels(const features::FeatureChains& chains) {
   return pixels;
 }
 
-// Curves that turn by 1 / kTurnsAreDear radians per pixel (a radius of so many pixels) cost twice as many
-// control points as straight ones, about.
+// Curves cost the more control points the more they turn: those of a radius of 17 px or more as many as straight
+// ones, a letter's, of some 5 px, twice as many, about. Radians per pixel, and the inverse of them.
+constexpr double kFreeTurning = 0.06;
 constexpr double kTurnsAreDear = 8;
 constexpr std::size_t kStep = 4;  // points, between which the direction of a chain is taken
 
@@ -54,7 +55,7 @@ struct RankedChain {
 RankedChain ranked(const image::Image& picture, features::Chain chain) {
   const double contrast = mean_range(picture, chain, 1);
   const bool sharp = contrast >= kSharpness * mean_range(picture, chain, 3);
-  const double worth = contrast / (1 + kTurnsAreDear * turning(chain));
+  const double worth = contrast / (1 + kTurnsAreDear * std::max(0.0, turning(chain) - kFreeTurning));
   return {worth, worth < kWeakWorth && !sharp, std::move(chain)};
 }
 
@@ -117,6 +118,10 @@ double expected_functions(const mesh::EditableMesh& mesh, int degree) {
 
 double expected_functions(const features::FeatureChains& chains) {
   return kFunctionsPerFeaturePixel * static_cast<double>(chain_pixels(chains));
+}
+
+void drop_winding(double max_turning, features::FeatureChains& chains) {
+  std::erase_if(chains.chains, [&](const features::Chain& c) { return turning(c) > max_turning; });
 }
 
 void keep_within_budget(const image::Image& picture, double functions, double most, double share,

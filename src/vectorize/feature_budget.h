@@ -18,6 +18,9 @@ double expected_functions(const features::FeatureChains& chains);
 /// Mean over the points of a chain of the largest range of a channel within some pixels, levels.
 double mean_range(const image::Image& picture, const features::Chain& chain, int radius);
 
+/// Drops feature chains that turn by more radians per pixel, in the mean.
+void drop_winding(double max_turning, features::FeatureChains& chains);
+
 /// Drops feature chains that cost more control points than features may use up, before any knot is put
 /// between them: those of least contrast for what they cost, weak ones first, which the smooth surface can
 /// stand in for.

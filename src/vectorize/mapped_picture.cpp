@@ -41,6 +41,7 @@ class Mapping {
   void find() {
     if (!options_.features) return;
     mapped_.detected = features::detect_features(picture_, detect_options(picture_, options_));
+    if (options_.max_turning > 0) drop_winding(options_.max_turning, mapped_.detected);
     log_.progress.detected = &mapped_.detected;
     log_.report.chains = mapped_.detected.chains.size();
     for (const auto& c : mapped_.detected.chains) log_.report.feature_pixels += c.points.size();

@@ -51,6 +51,8 @@ Options group_preset_options(Preset preset) {
 Options video_options(Options picture) {
   picture.first_share = std::max(picture.first_share, 0.95);
   picture.feature_share = std::min(picture.feature_share, 0.15);
+  // Small letters would have to be bent in each frame, and are truer without (docs/decisions/0033).
+  if (picture.max_turning == 0) picture.max_turning = 0.15;
   // Each vertex has to be carried along; and the frames behind bend their curves anyhow.
   picture.parametrize.polyline_distance = std::max(picture.parametrize.polyline_distance, 2.0);
   picture.geometry.feature_weight = std::min(picture.geometry.feature_weight, 20.0);

@@ -75,6 +75,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "seed",
                                  "first_share",
                                  "feature_share",
+                                 "max_turning",
                                  "features",
                                  "fairing",
                                  "colour_correction",

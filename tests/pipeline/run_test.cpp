@@ -29,7 +29,8 @@ class PipelineRun : public ::testing::Test {
     Job job;
     job.reader = &reader;
     job.source = "clip.mkv";
-    job.cold = vectorize::preset_options(vectorize::Preset::kFast);
+    job.cold = vectorize::video_options(vectorize::preset_options(vectorize::Preset::kFast));
+    job.cold.feature_share = 0.6;  // the pictures are small
     job.cold.max_control_points = 120;
     return job;
   }

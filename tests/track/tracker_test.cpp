@@ -41,13 +41,20 @@ image::Image scene(double x, double y) {
   return image;
 }
 
+/// Those of videos, but features may have as much as they need: the scenes are small.
+vectorize::Options cold_options() {
+  vectorize::Options options = vectorize::video_options({});
+  options.feature_share = 0.6;
+  return options;
+}
+
 struct Tracked {
   std::vector<document::FrameModel> models;
   std::vector<FrameReport> reports;
 };
 
 Tracked track(const std::vector<image::Image>& pictures, const TrackOptions& options, double mec = 2) {
-  vectorize::Options cold;
+  vectorize::Options cold = cold_options();
   cold.max_control_points = 400;
   cold.mec = mec;
   Tracker tracker(cold, options);
@@ -109,7 +116,7 @@ TEST(Tracker, EdgesAreAsSoftAsInThePictures) {
 /// What is drawn is what was fitted, and the graph has no space and no basis to make anew.
 TEST(Tracker, WarmFramesAreStoredWithTheSpaceAndGeometryThatTheyHave) {
   const std::vector<image::Image> pictures = moving(4);
-  vectorize::Options cold;
+  vectorize::Options cold = cold_options();
   cold.max_control_points = 400;
   Tracker tracker(cold, {});
   std::ostringstream out;
@@ -179,7 +186,7 @@ TEST(Tracker, KnotsFollowMotionSlowerThanTheirGrid) {
 
 TEST(Tracker, ARepeatedPictureKeepsItsModel) {
   const std::vector<image::Image> pictures = moving(4);
-  vectorize::Options cold;
+  vectorize::Options cold = cold_options();
   cold.max_control_points = 400;
   Tracker plain(cold, {});
   Tracker repeating(cold, {});
@@ -258,12 +265,13 @@ std::vector<image::Image> halves_at_rest(int frames) {
 /// Knots, and what is drawn where no function reaches what moves.
 TEST(Tracker, WhatIsAtRestStaysAsItIs) {
   const std::vector<image::Image> pictures = halves_at_rest(90);
-  vectorize::Options cold;
+  vectorize::Options cold = cold_options();
   cold.max_control_points = 700;
   cold.mec = 1;
   cold.block_error = 0;  // else knots that get lost on the left come and go at the edge on the right
   TrackOptions options;
   options.restart_gain = 100;  // a new group would have other knots
+  options.swap.share = 0;      // idle ones of the edge on the right would come and go
   Tracker tracker(cold, options);
   std::map<std::uint32_t, Vec2> knots;
   std::shared_ptr<const spline::PixelSurface> drawn;
@@ -304,7 +312,7 @@ TEST(Tracker, WhatIsAtRestStaysAsItIs) {
 /// What is kept from the frame before is what would be found anew.
 TEST(Tracker, WhatIsKeptIsThatOfTheModel) {
   const std::vector<image::Image> pictures = halves_at_rest(20);
-  vectorize::Options cold;
+  vectorize::Options cold = cold_options();
   cold.max_control_points = 700;
   Tracker tracker(cold, {});
   for (std::size_t i = 0; i < pictures.size(); ++i) {
@@ -405,7 +413,7 @@ TEST(Tracker, NoFrameHasMoreControlPointsThanAllowed) {
 TEST(Tracker, WithoutWarmStartFramesAreThoseOfTheirPictures) {
   const std::vector<image::Image> pictures = moving(3);
   const Tracked run = track(pictures, {.warm_start = false});
-  vectorize::Options cold;
+  vectorize::Options cold = cold_options();
   cold.max_control_points = 400;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     EXPECT_NE(run.reports[i].start, Start::kWarm);
@@ -418,7 +426,7 @@ TEST(Tracker, WithoutWarmStartFramesAreThoseOfTheirPictures) {
 
 TEST(Tracker, AColdFrameMadeAheadChangesNothing) {
   const std::vector<image::Image> pictures = moving(5);
-  vectorize::Options cold;
+  vectorize::Options cold = cold_options();
   cold.max_control_points = 400;
   const TrackOptions options{.keyframe_interval = 3};
   const Tracked run = track(pictures, options);
@@ -438,7 +446,7 @@ TEST(Tracker, AColdFrameMadeAheadChangesNothing) {
 
 TEST(Tracker, AGroupDoesNotKnowWhatCameBefore) {
   const std::vector<image::Image> scene = moving(4);
-  vectorize::Options cold;
+  vectorize::Options cold = cold_options();
   cold.max_control_points = 400;
   Tracker fresh(cold, {});
   Tracker used(cold, {});

@@ -55,6 +55,17 @@ TEST(FeatureBudget, WhatFitsStays) {
   EXPECT_EQ(chains.chains.size(), 2U);
 }
 
+TEST(FeatureBudget, WindingChainsAreDropped) {
+  FeatureChains chains = chains_of({winding(50, 30), straight(20, 30), winding(70, 30)});
+  drop_winding(0.2, chains);
+  EXPECT_EQ(chains.chains.size(), 3U) << "a right angle every eight pixels is at most 0.2";
+  drop_winding(0.05, chains);
+  ASSERT_EQ(chains.chains.size(), 1U);
+  EXPECT_EQ(chains.chains[0].points.back().y, 20);
+  drop_winding(1e-9, chains);
+  EXPECT_EQ(chains.chains.size(), 1U) << "a straight one does not turn";
+}
+
 TEST(FeatureBudget, OfTheSameContrastTheStraightOneStays) {
   const std::vector<std::vector<Chain>> orders{{straight(20, 30), winding(50, 30), winding(70, 30)},
                                                {winding(50, 30), straight(20, 30), winding(70, 30)},

@@ -363,6 +363,7 @@ TEST(Vectorize, RefusesOptionsOutOfRange) {
   EXPECT_TRUE(refuses([&](Options& o) { o.segment_knot_spacing = nan; }));
   EXPECT_TRUE(refuses([](Options& o) { o.feature_share = 1.5; }));
   EXPECT_TRUE(refuses([](Options& o) { o.block_error = -1; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.max_turning = -1; }));
   EXPECT_TRUE(refuses([&](Options& o) { o.block_error = nan; }));
   EXPECT_TRUE(refuses([](Options& o) { o.drawn_threshold = -1; }));
   EXPECT_TRUE(refuses([&](Options& o) { o.drawn_threshold = nan; }));

@@ -41,6 +41,9 @@ struct Options {
   /// is 0.6 at least where the first knots need but two fifths of all: otherwise text and the like would
   /// leave nothing for the rest.
   double feature_share = 0.6;
+  /// Radians per pixel in the mean, >= 0: features that turn more, such as letters of a few pixels, are left
+  /// to the smooth surface. 0: none are.
+  double max_turning = 0;
   bool fairing = true;
   bool colour_correction = true;
   bool picture_links = true;  ///< link triangulations chosen by the picture
