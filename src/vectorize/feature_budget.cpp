@@ -27,8 +27,8 @@ std::size_t chain_pixels(const features::FeatureChains& chains) {
   return pixels;
 }
 
-// Curves cost the more control points the more they turn: those of a radius of 17 px or more as many as straight
-// ones, a letter's, of some 5 px, twice as many, about. Radians per pixel, and the inverse of them.
+// Curves cost the more control points the more they turn: those of a radius of 17 px or more as many as
+// straight ones, a letter's, of some 5 px, twice as many, about. Radians per pixel, and the inverse of them.
 constexpr double kFreeTurning = 0.06;
 constexpr double kTurnsAreDear = 8;
 constexpr std::size_t kStep = 4;  // points, between which the direction of a chain is taken
