@@ -49,13 +49,13 @@ TEST(Vectorize, ContoursStaySharpWhenEnlarged) {
 }
 
 /// Root mean square of how far the outline of a disc, drawn sharply at 8x, is from the circle, in pixels of
-/// the picture.
-double outline_error(const document::FrameModel& model, Vec2 centre, double radius) {
+/// the picture. @param part of the circle, in the middle of which is the direction of x.
+double outline_error(const document::FrameModel& model, Vec2 centre, double radius, double part = 1) {
   const image::Image large = rendered(model, {.width = 8 * 120, .height = 8 * 90, .antialias = false});
   double sum = 0;
   constexpr int kRays = 360;
   for (int i = 0; i < kRays; ++i) {
-    const double angle = 2 * 3.14159265358979 * i / kRays;
+    const double angle = part * 2 * 3.14159265358979 * (static_cast<double>(i) / kRays - 0.5);
     double r = 0;
     const auto is_disc = [&](double at) {
       const Vec2 p = 8 * (centre + Vec2{at * std::cos(angle), at * std::sin(angle)});
@@ -65,6 +65,46 @@ double outline_error(const document::FrameModel& model, Vec2 centre, double radi
     sum += (r - radius) * (r - radius);
   }
   return std::sqrt(sum / kRays);
+}
+
+/// Fairing would draw them back, coarse polylines would cut them off.
+TEST(Vectorize, StrokesKeepTheirEnds) {
+  for (const double radius : {2.0, 3.0}) {
+    const Vec2 end{80.3, 44.6};
+    const image::Image picture = draw(120, 90, 1, [&](double x, double y) -> Colour {
+      const double along = std::clamp(x, 30.0, end.x);
+      return {std::hypot(x - along, y - end.y) < radius ? 230.0 : 20.0};
+    });
+    const document::FrameModel model = vectorize_picture(picture).model;
+    ASSERT_FALSE(model.space->mesh().segments.empty());
+    EXPECT_LT(outline_error(model, end, radius, 0.5), 0.2) << radius;
+  }
+}
+
+/// Knots of features within some pixels of a place.
+std::size_t feature_knots(const document::FrameModel& model, Vec2 centre, double reach) {
+  std::size_t count = 0;
+  for (const mesh::FeatureSegment& s : model.space->mesh().segments) {
+    for (const mesh::KnotIndex k : s.knots)
+      count += norm(model.space->mesh().knots[k].position - centre) < reach ? 1 : 0;
+  }
+  return count;
+}
+
+TEST(Vectorize, SmallLettersAreLeftToTheSurfaceInVideos) {
+  const Vec2 small{100.2, 20.3};
+  const Vec2 large{45.4, 50.1};
+  const image::Image picture = draw(120, 90, 3, [&](double x, double y) -> Colour {
+    const Vec2 p{x, y};
+    return norm(p - small) < 4.5 || norm(p - large) < 25 ? Colour{230, 220, 210} : Colour{20, 30, 60};
+  });
+  const Options still{.max_control_points = 1000};
+  const document::FrameModel of_still = vectorize_picture(picture, still).model;
+  EXPECT_GT(feature_knots(of_still, small, 8), 3U);
+  EXPECT_GT(feature_knots(of_still, large, 30), 3U);
+  const document::FrameModel of_video = vectorize_picture(picture, video_options(still)).model;
+  EXPECT_EQ(feature_knots(of_video, small, 8), 0U);
+  EXPECT_GT(feature_knots(of_video, large, 30), 3U);
 }
 
 TEST(Vectorize, DiscsStayRoundWhenEnlarged) {
