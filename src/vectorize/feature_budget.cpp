@@ -20,18 +20,17 @@ constexpr double kMargin = 0.75;
 // Of the share of all: where features are so many, most are text or texture, and what is between them needs
 // the control points more.
 constexpr double kCutBack = 0.5;
+// Curves cost the more control points the more they turn: those of a radius of 17 px or more as many as
+// straight ones, a letter's, of some 5 px, twice as many, about. Radians per pixel, and the inverse of them.
+constexpr double kFreeTurning = 0.06;
+constexpr double kTurnsAreDear = 8;
+constexpr std::size_t kStep = 4;  // points, between which the direction of a chain is taken
 
 std::size_t chain_pixels(const features::FeatureChains& chains) {
   std::size_t pixels = 0;
   for (const features::Chain& c : chains.chains) pixels += c.points.size();
   return pixels;
 }
-
-// Curves cost the more control points the more they turn: those of a radius of 17 px or more as many as
-// straight ones, a letter's, of some 5 px, twice as many, about. Radians per pixel, and the inverse of them.
-constexpr double kFreeTurning = 0.06;
-constexpr double kTurnsAreDear = 8;
-constexpr std::size_t kStep = 4;  // points, between which the direction of a chain is taken
 
 /// Radians per pixel.
 double turning(const features::Chain& chain) {

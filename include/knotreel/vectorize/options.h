@@ -37,9 +37,9 @@ struct Options {
   std::uint64_t seed = 1;  ///< kept in reports; the method draws no random numbers
 
   bool features = true;  ///< whether to look for features at all
-  /// Share of the control points that features may use up, 0 to 1; those of least contrast are left out. It
-  /// is 0.6 at least where the first knots need but two fifths of all: otherwise text and the like would
-  /// leave nothing for the rest.
+  /// Share of the control points that features may use up, 0 to 1; if they would need more, those of least
+  /// contrast for what they cost are left out, down to half of it. It is 0.6 at least where the first knots
+  /// need but two fifths of all.
   double feature_share = 0.6;
   /// Radians per pixel in the mean, >= 0: features that turn more, such as letters of a few pixels, are left
   /// to the smooth surface. 0: none are.
