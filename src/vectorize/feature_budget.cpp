@@ -14,12 +14,11 @@ namespace {
 constexpr double kWeakShare = 0.1;
 constexpr double kWeakWorth = 140;  // levels
 constexpr double kSharpness = 0.93;
-// Of the share of weak ones, when it is exceeded: estimates by pixels are rough, and another try costs a
-// parametrization.
+// Of a share, when it is exceeded: estimates by pixels are rough, and another try costs a parametrization.
 constexpr double kMargin = 0.75;
-// Of the share of all: where features are so many, most are text or texture, and what is between them needs
-// the control points more.
-constexpr double kCutBack = 0.5;
+// Most that is left then: where features are so many, most are text or texture, and what is between them
+// needs the control points more.
+constexpr double kMostLeft = 0.3;
 // Curves cost the more control points the more they turn: those of a radius of 17 px or more as many as
 // straight ones, a letter's, of some 5 px, twice as many, about. Radians per pixel, and the inverse of them.
 constexpr double kFreeTurning = 0.06;
@@ -128,7 +127,7 @@ void keep_within_budget(const image::Image& picture, double functions, double mo
   if (functions <= kWeakShare * most) return;
   if (keep_strongest(picture, kMargin * kWeakShare * most / functions, true, chains)) return;
   if (functions <= share * most) return;
-  keep_strongest(picture, kCutBack * share * most / functions, false, chains);
+  keep_strongest(picture, std::min(kMargin * share, kMostLeft) * most / functions, false, chains);
 }
 
 }  // namespace knotreel::vectorize

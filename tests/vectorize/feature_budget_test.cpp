@@ -67,12 +67,13 @@ TEST(FeatureBudget, WindingChainsAreDropped) {
 }
 
 TEST(FeatureBudget, OfTheSameContrastTheStraightOneStays) {
-  const std::vector<std::vector<Chain>> orders{{straight(20, 30), winding(50, 30), winding(70, 30)},
-                                               {winding(50, 30), straight(20, 30), winding(70, 30)},
-                                               {winding(50, 30), winding(70, 30), straight(20, 30)}};
+  const Chain simple = straight(20, 30);
+  const std::vector<std::vector<Chain>> orders{{simple, winding(35, 30), winding(50, 30), winding(70, 30)},
+                                               {winding(35, 30), winding(50, 30), simple, winding(70, 30)},
+                                               {winding(35, 30), winding(50, 30), winding(70, 30), simple}};
   for (const std::vector<Chain>& order : orders) {
     FeatureChains chains = chains_of(order);
-    keep_within_budget(fields_of(200), 100, 99, 1, chains);  // somewhat less than half of the pixels may stay
+    keep_within_budget(fields_of(200), 100, 99, 1, chains);  // three tenths of the pixels may stay
     ASSERT_EQ(chains.chains.size(), 1U);
     EXPECT_EQ(chains.chains[0].points.back().y, 20);
   }

@@ -38,7 +38,7 @@ struct Options {
 
   bool features = true;  ///< whether to look for features at all
   /// Share of the control points that features may use up, 0 to 1; if they would need more, those of least
-  /// contrast for what they cost are left out, down to half of it. It is 0.6 at least where the first knots
+  /// contrast for what they cost are left out, down to 0.3 at most. It is 0.6 at least where the first knots
   /// need but two fifths of all.
   double feature_share = 0.6;
   /// Radians per pixel in the mean, >= 0: features that turn more, such as letters of a few pixels, are left
