@@ -26,6 +26,15 @@ void add_threads_option(CLI::App& command, int& threads) {
       ->capture_default_str();
 }
 
+void add_background_option(CLI::App& command, std::string& colour) {
+  command
+      .add_option(
+          "--background", colour,
+          "Put pictures with alpha on this colour: black, white, #rrggbb\nor R,G,B. Without it, alpha "
+          "is kept")
+      ->type_name("COLOUR");
+}
+
 void add_frame_option(CLI::App& command, std::uint64_t& frame, const std::string& description) {
   command.add_option("--frame", frame, description)
       ->check(CLI::Range(0, 0x7fffffff).description(""))  // CLI11 would let -1 wrap around

@@ -180,11 +180,7 @@ void add_render_command(CLI::App& program) {
       ->check(CLI::IsMember({"8", "16", "float"}).description(""))
       ->type_name("N")
       ->capture_default_str();
-  command
-      ->add_option("--background", arguments->background,
-                   "Put a picture with alpha on this colour: black, white, #rrggbb\nor R,G,B. Without it, "
-                   "alpha is kept")
-      ->type_name("COLOUR");
+  add_background_option(*command, arguments->background);
   command
       ->add_option(
           "-f,--format", arguments->format,

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/parse.h"
 #include "cli/video_run.h"
 #include "knotreel/base/error.h"
 
@@ -10,6 +11,7 @@ namespace {
 struct TranscodeArguments {
   VideoRun run;
   VideoOutputOptions encoding;
+  std::string background;
   std::string format;
 };
 
@@ -23,6 +25,9 @@ void transcode(TranscodeArguments& arguments) {
   run.video.path = nowhere ? arguments.format : output;  // these write no file
   run.video.options = write_options(arguments.encoding, arguments.format, run.threads);
   if (arguments.format == "hash") run.digest = output;
+  if (!arguments.background.empty()) {
+    run.video.background = parse_colour("--background", arguments.background);
+  }
   const pipeline::Summary summary = run_video(run);
   if (!run.digest.empty()) {
     write_text(run.digest, summary.digest + "\n");
@@ -48,6 +53,7 @@ void add_outputs(CLI::App& command, TranscodeArguments& arguments) {
                   "Container, if the name does not say it; null: none is written;\n"
                   "hash: print a digest of all frames and times")
       ->type_name("NAME");
+  add_background_option(command, arguments.background);
   add_video_output_options(command, arguments.encoding);
   command.add_flag("--no-copy-streams", run.reading.no_copy_streams, "Leave sound and subtitles away");
   command.add_option("--document", run.document, "Keep the vector documents too (.tcb)")->type_name("FILE");

@@ -12,6 +12,7 @@
 #include "base/multiversion.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
+#include "knotreel/image/background.h"
 
 namespace knotreel::image {
 namespace {
@@ -222,6 +223,31 @@ ImageMetrics compare_same_channels(const Image& a, const Image& b, Figures figur
   return metrics;
 }
 
+/// As seen on a ground of this colour.
+Image on_ground(Image picture, float level) {
+  put_on_background(picture.samples, picture.channels, Background{{level, level, level}});
+  picture.channels = picture.colour_channels();
+  return picture;
+}
+
+double mean_square_of(double psnr) {
+  return std::pow(10.0, -psnr / 10);
+}
+
+ImageMetrics compare_on_grounds(const Image& a, const Image& b, Figures figures) {
+  const ImageMetrics black = compare_same_channels(on_ground(a, 0), on_ground(b, 0), figures);
+  const ImageMetrics white = compare_same_channels(on_ground(a, 255), on_ground(b, 255), figures);
+  const double square = (mean_square_of(black.psnr) + mean_square_of(white.psnr)) / 2;
+  return {.mec = (black.mec + white.mec) / 2,
+          .rmse = std::sqrt((black.rmse * black.rmse + white.rmse * white.rmse) / 2),
+          .psnr = -10 * std::log10(square),
+          .ssim = (black.ssim + white.ssim) / 2};
+}
+
+ImageMetrics compare_as_seen(const Image& a, const Image& b, Figures figures) {
+  return a.has_alpha() ? compare_on_grounds(a, b, figures) : compare_same_channels(a, b, figures);
+}
+
 }  // namespace
 
 ImageMetrics compare_images(const Image& a, const Image& b, Figures figures) {
@@ -231,10 +257,10 @@ ImageMetrics compare_images(const Image& a, const Image& b, Figures figures) {
                                                  std::to_string(b.width) + "x" + std::to_string(b.height));
   }
   if (a.pixel_count() == 0) throw Error(ErrorKind::kInvalidArgument, "the pictures are empty");
-  if (a.channels == b.channels) return compare_same_channels(a, b, figures);
+  if (a.channels == b.channels) return compare_as_seen(a, b, figures);
   const int colours = std::max(a.colour_channels(), b.colour_channels());
   const int channels = colours + (a.has_alpha() || b.has_alpha() ? 1 : 0);
-  return compare_same_channels(widen_channels(a, channels), widen_channels(b, channels), figures);
+  return compare_as_seen(widen_channels(a, channels), widen_channels(b, channels), figures);
 }
 
 }  // namespace knotreel::image

@@ -25,6 +25,15 @@ KNOTREEL_MULTIVERSION void colour_row(const float* in, std::size_t stride, std::
   }
 }
 
+/// By alpha: where there is nothing, it is darker than black.
+void darken(const float* alpha, std::size_t stride, std::uint8_t* luma, std::size_t n) {
+  constexpr float kBlack = 64;
+  for (std::size_t x = 0; x < n; ++x) {
+    const float seen = kBlack + (1 - kBlack / 255) * float(luma[x]);
+    luma[x] = to_8bit(std::clamp(alpha[x * stride] / 255, 0.0F, 1.0F) * seen);
+  }
+}
+
 }  // namespace
 
 Luma luma_of(const image::Image& picture) {
@@ -33,7 +42,11 @@ Luma luma_of(const image::Image& picture) {
   const auto convert = picture.colour_channels() == 1 ? grey_row : colour_row;
   const auto width = std::size_t(picture.width);
   parallel_for(std::size_t(picture.height), [&](std::size_t y) {
-    convert(picture.row(int(y)).data(), std::size_t(picture.channels), luma.v.data() + y * width, width);
+    const auto stride = std::size_t(picture.channels);
+    const float* in = picture.row(int(y)).data();
+    std::uint8_t* out = luma.v.data() + y * width;
+    convert(in, stride, out, width);
+    if (picture.has_alpha()) darken(in + stride - 1, stride, out, width);
   });
   return luma;
 }

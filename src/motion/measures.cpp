@@ -44,6 +44,12 @@ Image error_of(const Image& reference, const Image& result) {
     const float* q = result.row(int(y)).data();
     float* out = error.row(int(y)).data();
     for (std::size_t i = 0; i < result.row_size(); ++i) out[i] = q[i] - p[i];
+    if (!result.has_alpha()) return;
+    const auto stride = std::size_t(result.channels);
+    for (std::size_t i = 0; i < result.row_size(); ++i) {
+      const std::size_t alpha = i - i % stride + stride - 1;
+      if (i != alpha) out[i] = (q[i] * q[alpha] - p[i] * p[alpha]) / 255;
+    }
   });
   return error;
 }

@@ -4,6 +4,7 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
+#include "knotreel/image/hidden_colours.h"
 #include "knotreel/motion/luma.h"
 #include "knotreel/pipeline/sequence.h"
 #include "knotreel/track/curve_error.h"
@@ -43,7 +44,8 @@ MessagePtr Stages::decode() {
   ++decoded_;
   message->row.index = message->index;
   message->row.pts = message->frame.pts;
-  message->picture = std::make_shared<const image::Image>(std::move(message->frame.image));
+  message->picture =
+      std::make_shared<const image::Image>(image::extend_seen_colours(std::move(message->frame.image)));
   message->before = std::exchange(before_, message->picture);
   return message;
 }

@@ -5,7 +5,7 @@
 namespace knotreel::track {
 
 std::vector<float> squared_errors(const FittedFrame& frame) {
-  return fit::squared_errors(frame.colours.residual, frame.seen.weights, frame.seen.picture.channels);
+  return fit::squared_errors(frame.colours.residual, frame.seen.weights, frame.seen.picture);
 }
 
 }  // namespace knotreel::track

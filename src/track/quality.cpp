@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "knotreel/base/parallel.h"
+#include "knotreel/fit/squared_errors.h"
 
 namespace knotreel::track {
 
@@ -18,16 +19,14 @@ struct Sums {
   std::size_t count = 0;
 };
 
-Sums sums_of(std::span<const float> residual, std::span<const float> weights, std::size_t channels,
+Sums sums_of(std::span<const float> residual, std::span<const float> weights, const image::Image& picture,
              std::size_t begin, std::size_t end) {
   Sums sums;
+  const auto channels = static_cast<std::size_t>(picture.channels);
   for (std::size_t i = begin; i < end; ++i) {
     if (!weights.empty() && weights[i] < 1) continue;
-    double squared = 0;
-    for (std::size_t c = 0; c < channels; ++c) {
-      const double d = static_cast<double>(residual[i * channels + c]);
-      squared += d * d;
-    }
+    const auto squared =
+        fit::squared_error<double>(picture, &residual[i * channels], &picture.samples[i * channels]);
     sums.length += std::sqrt(squared);
     sums.squares += squared;
     ++sums.count;
@@ -37,12 +36,13 @@ Sums sums_of(std::span<const float> residual, std::span<const float> weights, st
 
 }  // namespace
 
-Quality quality_of(std::span<const float> residual, std::span<const float> weights, int channel_count) {
-  const auto channels = static_cast<std::size_t>(channel_count);
+Quality quality_of(std::span<const float> residual, std::span<const float> weights,
+                   const image::Image& picture) {
+  const auto channels = static_cast<std::size_t>(picture.channels);
   const std::size_t pixels = residual.size() / channels;
   std::vector<Sums> blocks((pixels + kBlock - 1) / kBlock);
   parallel_for(blocks.size(), [&](std::size_t b) {
-    blocks[b] = sums_of(residual, weights, channels, b * kBlock, std::min(pixels, (b + 1) * kBlock));
+    blocks[b] = sums_of(residual, weights, picture, b * kBlock, std::min(pixels, (b + 1) * kBlock));
   });
   Sums sums;
   for (const Sums& block : blocks) {

@@ -2,6 +2,8 @@
 
 #include <span>
 
+#include "knotreel/image/image.h"
+
 namespace knotreel::track {
 
 struct Quality {
@@ -9,7 +11,9 @@ struct Quality {
   double psnr = 0;
 };
 
+/// Colours count by their alpha.
 /// @param weights by pixel; those below 1 do not count. Empty: all count.
-Quality quality_of(std::span<const float> residual, std::span<const float> weights, int channels);
+Quality quality_of(std::span<const float> residual, std::span<const float> weights,
+                   const image::Image& picture);
 
 }  // namespace knotreel::track

@@ -190,8 +190,7 @@ class Tracker::Impl {
   }
 
   void measure() {
-    const Quality quality =
-        quality_of(frame_.colours.residual, frame_.seen.weights, frame_.seen.picture.channels);
+    const Quality quality = quality_of(frame_.colours.residual, frame_.seen.weights, frame_.seen.picture);
     report_->mec = quality.mec;
     report_->psnr = quality.psnr;
   }
@@ -300,8 +299,7 @@ class Tracker::Impl {
     if (expected < report_->psnr + options_.restart_gain) return nullptr;
     std::shared_ptr<ColdFrame> cold = make_cold_frame(picture, cold_, options_.colour_step);
     laps_->add(std::exchange(cold->milliseconds, {}));
-    const Quality quality =
-        quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture.channels);
+    const Quality quality = quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture);
     if (quality.psnr > report_->psnr + options_.restart_gain) return cold;
     watch_.made_cold_frame_in_vain();
     last_cold_ = {quality.psnr, difficulty_now()};

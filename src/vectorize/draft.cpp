@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "knotreel/base/parallel.h"
+#include "knotreel/fit/squared_errors.h"
 
 namespace knotreel::vectorize {
 
@@ -40,9 +41,9 @@ void measure_curves(const spline::Basis& basis, const Samples& samples, Draft& d
 }
 
 void measure_colours(const Samples& samples, const Draft& draft, RoundReport& report) {
+  const fit::Pixels pixels = draft.fits_all_pixels ? samples.all() : samples.steering();
+  const std::span<const float> weights = pixels.weights;
   const auto channels = static_cast<std::size_t>(samples.picture().channels);
-  const std::span<const float> weights =
-      draft.fits_all_pixels ? samples.weights() : samples.steering().weights;
   const std::vector<float>& residual = draft.surface.fit.residual;
   const auto width = static_cast<std::size_t>(samples.picture().width);
   struct Row {
@@ -53,12 +54,8 @@ void measure_colours(const Samples& samples, const Draft& draft, RoundReport& re
   parallel_for(rows.size(), [&](std::size_t y) {
     for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
       if (!weights.empty() && weights[i] < 1) continue;
-      double squared = 0;
-      for (std::size_t c = 0; c < channels; ++c) {
-        const double d = static_cast<double>(residual[i * channels + c]);
-        squared += d * d;
-      }
-      rows[y].length += std::sqrt(squared);
+      rows[y].length += std::sqrt(fit::squared_error<double>(*pixels.image, &residual[i * channels],
+                                                             &pixels.image->samples[i * channels]));
       ++rows[y].count;
     }
   });
@@ -76,6 +73,7 @@ void measure_colours(const Samples& samples, const Draft& draft, RoundReport& re
 
 std::vector<float> squared_errors(const Samples& samples, const Draft& draft) {
   const image::Image& picture = samples.picture();
+  const image::Image& fitted = *(draft.fits_all_pixels ? samples.all() : samples.steering()).image;
   const auto channels = static_cast<std::size_t>(picture.channels);
   const auto width = static_cast<std::size_t>(picture.width);
   const std::size_t rows_per_row = draft.fits_all_pixels || !samples.steers_by_half_rows() ? 1 : 2;
@@ -83,10 +81,8 @@ std::vector<float> squared_errors(const Samples& samples, const Draft& draft) {
   parallel_for(squared.size() / width, [&](std::size_t y) {
     for (std::size_t x = 0; x < width; ++x) {
       const std::size_t from = y / rows_per_row * width + x;
-      for (std::size_t c = 0; c < channels; ++c) {
-        const float d = draft.surface.fit.residual[from * channels + c];
-        squared[y * width + x] += d * d;
-      }
+      squared[y * width + x] = fit::squared_error<float>(fitted, &draft.surface.fit.residual[from * channels],
+                                                         &fitted.samples[from * channels]);
     }
   });
   return squared;

@@ -4,6 +4,7 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/features/flat_share.h"
+#include "knotreel/fit/squared_errors.h"
 #include "knotreel/param/parametrized_image.h"
 #include "vectorize/feature_budget.h"
 #include "vectorize/initial_mesh.h"
@@ -158,10 +159,11 @@ void map_features(const image::Image& picture, const Options& options, std::size
 }
 
 knots::Target make_target(const image::Image& picture, const MappedPicture& mapped) {
-  if (!mapped.has_features()) return {picture, {}};
+  if (!mapped.has_features()) return {picture, fit::steering_weights(picture, {})};
   auto image =
       param::parametrized_image(mapped.corrected, mapped.faired, mapped.image_mesh, mapped.parametrization);
-  return {std::move(image.colours), std::move(image.weights)};
+  std::vector<float> weights = fit::steering_weights(image.colours, std::move(image.weights));
+  return {std::move(image.colours), std::move(weights)};
 }
 
 }  // namespace knotreel::vectorize

@@ -9,6 +9,7 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/fit/squared_errors.h"
+#include "knotreel/image/hidden_colours.h"
 #include "knotreel/knots/block_errors.h"
 #include "vectorize/check_options.h"
 #include "vectorize/draft.h"
@@ -48,8 +49,7 @@ Missed missed(const Options& options, const Samples& samples, RunLog& log, Draft
   }
   if (options.block_error == 0) return {};
   const image::Image& picture = samples.picture();
-  std::vector<float> errors =
-      fit::squared_errors(draft.surface.fit.residual, samples.weights(), picture.channels);
+  std::vector<float> errors = fit::squared_errors(draft.surface.fit.residual, samples.weights(), picture);
   const std::size_t blocks =
       knots::keep_worst_blocks(errors, picture.width, picture.height, options.mec * options.block_error);
   if (blocks == 0) return {};
@@ -138,7 +138,8 @@ Vectorization vectorize_picture(const image::Image& picture, const Options& opti
                                 const Observer& observer) {
   check_picture(picture);
   check_options(options);
-  return Run(picture, options, observer).run();
+  if (!picture.has_alpha()) return Run(picture, options, observer).run();
+  return Run(image::extend_seen_colours(picture), options, observer).run();
 }
 
 }  // namespace knotreel::vectorize

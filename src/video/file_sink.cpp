@@ -114,7 +114,8 @@ class FileSink : public Sink {
     const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
     const std::string name = std::string("pixel format '") + av_get_pix_fmt_name(format) + "' has ";
     if (frames.channels % 2 == 0 && !has_alpha(description)) {
-      warnings.add(name + "no alpha: only the colours are kept (vp9, ffv1 and prores can keep both)");
+      warnings.add(name +
+                   "no alpha: frames are put on black (or on --background; vp9, ffv1 and prores keep alpha)");
     }
     if (frames.depth > 8 && depth_of(description) == 8) {
       warnings.add(name + "8 bits: the " + std::to_string(frames.depth) + " of the pictures are rounded");

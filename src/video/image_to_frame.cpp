@@ -7,6 +7,7 @@
 #include "base/multiversion.h"
 #include "colour_rules.h"
 #include "knotreel/base/parallel.h"
+#include "knotreel/image/background.h"
 
 namespace knotreel::video {
 namespace {
@@ -198,6 +199,12 @@ void put_colours(const Job& job) {
   if (!is_grey(job.format)) put_chroma(job);
 }
 
+image::Image on_black(image::Image image) {
+  image::put_on_background(image.samples, image.channels, image::Background{{0, 0, 0}});
+  image.channels = image.colour_channels();
+  return image;
+}
+
 /// Components are put by "or" into what is there, and paddings should not tell of old memory.
 void clear(AVFrame& frame) {
   for (const AVBufferRef* buffer : frame.buf) {
@@ -209,13 +216,16 @@ void clear(AVFrame& frame) {
 
 FramePtr packed_frame(const image::Image& image, AVPixelFormat format, const ColourTags& colour,
                       int coded_height) {
+  const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
+  if (image.has_alpha() && !has_alpha(description)) {
+    return packed_frame(on_black(image), format, colour, coded_height);
+  }
   FramePtr frame = new_frame();
   frame->format = format;
   frame->width = image.width;
   frame->height = image.height;
   if (av_frame_get_buffer(frame.get(), 0) < 0) throw std::bad_alloc();
   clear(*frame);
-  const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
   const bool full = without_range(format) != format || full_range(colour.range, description);
   const int matrix = matrix_in_use(colour.matrix, coded_height);
   const Job job{image, *frame, description, luma_weights(matrix), chroma_place(colour.chroma_location), full};
@@ -225,6 +235,7 @@ FramePtr packed_frame(const image::Image& image, AVPixelFormat format, const Col
 }
 
 image::Image with_channels(const image::Image& image, int channels) {
+  if (image.has_alpha() && channels % 2 != 0) return with_channels(on_black(image), channels);
   image::Image result = image::make_image(image.width, image.height, channels);
   const LumaWeights weights = luma_weights(AVCOL_SPC_SMPTE170M);
   for (int y = 0; y < image.height; ++y) {

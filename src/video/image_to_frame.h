@@ -8,12 +8,12 @@ namespace knotreel::video {
 
 /// An Image in a pixel format of libav, rounded to nearest without dither: what came exactly from RGB or grey
 /// goes back exactly. Chroma is the mean of its pixels, about the place that the tags tell. Colours without a
-/// place in the format are lost: grey formats take luma, formats without alpha drop it.
+/// place in the format are lost: grey formats take luma, in formats without alpha, pictures are on black.
 /// @param coded_height  decides on an unknown matrix.
 FramePtr packed_frame(const image::Image& image, AVPixelFormat format, const ColourTags& colour,
                       int coded_height);
 
-/// The picture with other channels: like widen_channels, and the other way by luma and by dropping alpha.
+/// The picture with other channels: like widen_channels, and the other way by luma, and on black.
 image::Image with_channels(const image::Image& image, int channels);
 
 }  // namespace knotreel::video

@@ -220,6 +220,31 @@ TEST_F(CliVideo, RenderPutsFramesWithAlphaOnABackground) {
   EXPECT_EQ(video::VideoReader::open(path("o.mp4")).info().channels, 3);
 }
 
+TEST_F(CliVideo, TranscodePutsFramesWithAlphaOnABackground) {
+  std::filesystem::create_directory(path("in"));
+  for (int i = 0; i < 3; ++i) {
+    image::write_image(path("in/p" + std::to_string(i) + ".png"), test::moving_picture(48, 32, 4, i));
+  }
+  const std::vector<std::string> on{"--codec", "ffv1", "--pixel-format", "bgr0", "--background", "#40ff20"};
+  std::vector<std::string> arguments{"transcode",  path("in"), "-o",       path("t.mkv"),
+                                     "--document", document_,  "--preset", "fast"};
+  arguments.insert(arguments.end(), on.begin(), on.end());
+  expect_success(knotreel(arguments));
+  arguments = {"render", document_, "-o", path("r.mkv")};
+  arguments.insert(arguments.end(), on.begin(), on.end());
+  expect_success(knotreel(arguments));
+  const auto frames = [&](const char* name) {
+    video::VideoReader reader = video::VideoReader::open(path(name));
+    EXPECT_EQ(reader.info().channels, 3);
+    std::vector<std::vector<float>> all;
+    for (video::Frame frame; reader.next(frame);) all.push_back(std::move(frame.image.samples));
+    return all;
+  };
+  EXPECT_TRUE(frames("t.mkv") == frames("r.mkv"));
+  EXPECT_EQ(frames("t.mkv").size(), 3u);
+  expect_failure(knotreel({"transcode", path("in"), "-f", "null", "--background", "green"}), 2);
+}
+
 TEST_F(CliVideo, RenderStatsTellOfEveryFrame) {
   vectorize();
   expect_success(knotreel({"render", document_, "-o", path("o.mkv"), "--stats", path("s.json")}));

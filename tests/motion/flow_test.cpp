@@ -85,11 +85,22 @@ TEST(FindFlow, AnySizeWillDo) {
   }
 }
 
-TEST(FindFlow, ColourAndAlphaDoNotMatter) {
+TEST(FindFlow, ColourDoesNotMatter) {
   const image::Image from = moved_texture(64, 48, {});
   const image::Image to = moved_texture(64, 48, {1, 1});
   EXPECT_EQ(find_flow(from, to).xy,
-            find_flow(image::widen_channels(from, 4), image::widen_channels(to, 3)).xy);
+            find_flow(image::widen_channels(from, 3), image::widen_channels(to, 3)).xy);
+}
+
+TEST(FindFlow, AShapeIsSeenByItsAlphaAlone) {
+  const auto black_shape = [](Vec2 d) {
+    image::Image picture = image::make_image(96, 64, 2);
+    const image::Image alpha = moved_texture(96, 64, d);
+    for (std::size_t i = 0; i < alpha.samples.size(); ++i) picture.samples[2 * i + 1] = alpha.samples[i];
+    return picture;
+  };
+  const Flow flow = find_flow(black_shape({}), black_shape({2, -1}));
+  EXPECT_LT(median_error(flow, [](Vec2) { return Vec2{2, -1}; }), 0.3);
 }
 
 TEST(FindFlow, RefusesPicturesOfDifferentSizes) {

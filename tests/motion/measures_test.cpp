@@ -43,12 +43,31 @@ TEST(FlickerMeter, AnErrorThatAlternatesFlickersByTwiceItsSize) {
   FlickerMeter meter;
   const Flow flow = constant_flow(20, 10, {});
   for (unsigned t = 0; t < 6; ++t) {
-    const Image reference = test::random_8bit_picture(20, 10, 4, t);
+    const Image reference = test::random_8bit_picture(20, 10, 3, t);
     meter.add(reference, plus(reference, t % 2 == 0 ? 3.0F : -3.0F), &flow);
   }
   EXPECT_EQ(meter.flicker(), 6);
   EXPECT_EQ(meter.warped_flicker(), 6);
   EXPECT_EQ(meter.per_frame(), std::vector<double>(5, 6.0));
+}
+
+TEST(FlickerMeter, ColoursCountByTheirAlpha) {
+  for (const float alpha : {0.0F, 51.0F}) {
+    FlickerMeter meter;
+    const Flow flow = constant_flow(20, 10, {});
+    for (unsigned t = 0; t < 4; ++t) {
+      Image reference = test::random_8bit_picture(20, 10, 4, t);
+      for (std::size_t i = 3; i < reference.samples.size(); i += 4) reference.samples[i] = alpha;
+      Image result = reference;
+      for (std::size_t i = 0; i < result.samples.size(); ++i) {
+        if (i % 4 != 3) result.samples[i] += t % 2 == 0 ? 30.0F : -30.0F;
+      }
+      meter.add(reference, result, &flow);
+    }
+    const double expected = 60 * 0.75 * static_cast<double>(alpha) / 255;  // of the four channels
+    EXPECT_NEAR(meter.flicker(), expected, 1e-4);
+    EXPECT_NEAR(meter.warped_flicker(), expected, 1e-4);
+  }
 }
 
 TEST(FlickerMeter, FramesCountEqually) {
@@ -77,10 +96,10 @@ TEST(FlickerMeter, AnErrorThatMovesWithTheContentFlickersOnlyInPlace) {
 }
 
 TEST(FlickerMeter, IsTheFormulaAlongTheFlow) {
-  const Image i0 = test::random_picture(6, 5, 2, 1);
-  const Image i1 = test::random_picture(6, 5, 2, 2);
-  const Image r0 = test::random_picture(6, 5, 2, 3);
-  const Image r1 = test::random_picture(6, 5, 2, 4);
+  const Image i0 = test::random_picture(6, 5, 3, 1);
+  const Image i1 = test::random_picture(6, 5, 3, 2);
+  const Image r0 = test::random_picture(6, 5, 3, 3);
+  const Image r1 = test::random_picture(6, 5, 3, 4);
   const Flow flow = constant_flow(6, 5, {2, 1});
   FlickerMeter meter;
   meter.add(i0, r0);
@@ -88,13 +107,13 @@ TEST(FlickerMeter, IsTheFormulaAlongTheFlow) {
   double sum = 0;
   for (int y = 0; y < 4; ++y) {
     for (int x = 0; x < 4; ++x) {
-      for (int c = 0; c < 2; ++c) {
+      for (int c = 0; c < 3; ++c) {
         sum += std::abs(double{r1.at(x + 2, y + 1, c)} - double{r0.at(x, y, c)} -
                         (double{i1.at(x + 2, y + 1, c)} - double{i0.at(x, y, c)}));
       }
     }
   }
-  EXPECT_NEAR(meter.warped_flicker(), sum / 32, 1e-4);
+  EXPECT_NEAR(meter.warped_flicker(), sum / 48, 1e-4);
 }
 
 TEST(FlickerMeter, PixelsThatAreNotConsistentDoNotCount) {

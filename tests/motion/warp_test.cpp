@@ -50,10 +50,16 @@ TEST(Warp, RefusesAFlowOfAnotherSize) {
   EXPECT_THROW(warp(image::make_image(4, 4, 1), constant_flow(5, 4, {})), Error);
 }
 
-TEST(LumaOf, WeighsColoursAndIgnoresAlpha) {
-  image::Image picture = image::make_image(1, 1, 4);
-  picture.samples = {100, 50, 200, 7};
+TEST(LumaOf, WeighsColours) {
+  image::Image picture = image::make_image(1, 1, 3);
+  picture.samples = {100, 50, 200};
   EXPECT_EQ(luma_of(picture).v.front(), 82);  // 29.9 + 29.35 + 22.8
+}
+
+TEST(LumaOf, NothingIsDarkerThanBlack) {
+  image::Image picture = image::make_image(5, 1, 2);
+  picture.samples = {200, 0, 0, 255, 255, 255, 0, 127.5F, 82, 255};
+  EXPECT_EQ(luma_of(picture).v, (std::vector<std::uint8_t>{0, 64, 255, 32, 125}));
 }
 
 TEST(LumaOf, RoundsAndClamps) {

@@ -48,6 +48,39 @@ TEST(Vectorize, ContoursStaySharpWhenEnlarged) {
   EXPECT_LE(between, 2);
 }
 
+TEST(Vectorize, ColoursThatAlphaHidesDoNotMatter) {
+  // A bright disc on nothing, which files have as black.
+  image::Image picture = image::make_image(80, 60, 4);
+  for (int y = 0; y < 60; ++y) {
+    for (int x = 0; x < 80; ++x) {
+      const double in = 20 - std::hypot(x + 0.5 - 40, y + 0.5 - 30);
+      const auto alpha = static_cast<float>(255 * std::clamp(in + 0.5, 0.0, 1.0));
+      if (alpha < 1) continue;
+      picture.at(x, y, 0) = 250;
+      picture.at(x, y, 1) = 220;
+      picture.at(x, y, 2) = 60;
+      picture.at(x, y, 3) = alpha;
+    }
+  }
+  image::Image other = picture;
+  for (std::size_t i = 0; i < other.samples.size(); ++i) {
+    if (other.samples[i - i % 4 + 3] == 0 && i % 4 != 3) other.samples[i] = static_cast<float>(i * 37 % 256);
+  }
+  const Vectorization v = vectorize_picture(picture);
+  expect_sound(v, picture);
+  EXPECT_TRUE(vectorize_picture(other).model.colour == v.model.colour);
+  EXPECT_GT(psnr(picture, v.model), 40);
+  // No fringe when enlarged: where anything is seen, it has the colour of the disc.
+  const image::Image large = rendered(v.model, {.width = 640, .height = 480});
+  for (int y = 0; y < 480; ++y) {
+    for (int x = 0; x < 640; ++x) {
+      if (large.at(x, y, 3) < 8) continue;
+      ASSERT_NEAR(large.at(x, y, 0), 250, 12) << x << " " << y;
+      ASSERT_NEAR(large.at(x, y, 2), 60, 12) << x << " " << y;
+    }
+  }
+}
+
 /// Root mean square of how far the outline of a disc, drawn sharply at 8x, is from the circle, in pixels of
 /// the picture. @param part of the circle, in the middle of which is the direction of x.
 double outline_error(const document::FrameModel& model, Vec2 centre, double radius, double part = 1) {

@@ -238,6 +238,24 @@ TEST(Outputs, AlphaThatAnEncoderDoesNotKeepIsTold) {
   }
 }
 
+TEST(Outputs, WithoutAlphaPicturesAreOnBlack) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(32, 16, 4, 1);
+  clip.images[0] = test::random_8bit_picture(32, 16, 4, 1);
+  WriteOptions options = with_codec("ffv1");
+  options.pixel_format = "bgr0";
+  write_clip(dir / "a.mkv", clip, options);
+  const image::Image back = read_clip(dir / "a.mkv").frames.at(0).image;
+  ASSERT_EQ(back.channels, 3);
+  for (int y = 0; y < 16; ++y) {
+    for (int x = 0; x < 32; ++x) {
+      const image::Image& source = clip.images[0];
+      for (int c = 0; c < 3; ++c)
+        ASSERT_NEAR(back.at(x, y, c), source.at(x, y, c) * source.at(x, y, 3) / 255, 0.501);
+    }
+  }
+}
+
 TEST(Outputs, DepthThatAnEncoderDoesNotKeepIsTold) {
   const TempDir dir;
   StreamInfo info = moving_pattern(64, 48, 3, 1).info;

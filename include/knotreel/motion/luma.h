@@ -15,7 +15,8 @@ struct Luma {
 };
 
 /// Luma of a picture (Rec. 601 weights; grey is its own luma), rounded to the nearest level and clamped to
-/// 0..255; alpha is left out.
+/// 0..255. With alpha, from 64 for black to 255, times alpha: the outline of any shape is an edge, even of a
+/// black one, whatever colours are hidden outside (decision 34).
 /// @throws Error{kInvalidArgument} if the picture is empty.
 /// All threads are used; the result does not depend on their number.
 Luma luma_of(const image::Image& picture);

@@ -10,7 +10,8 @@ namespace knotreel::motion {
 
 /// How much a result flickers that should look like a reference: frames in order, one after the other.
 /// Figures are in levels of the scale 0..255; samples are taken as they are, without rounding; alpha counts
-/// like the other channels. Not thread safe; all threads are used, and their number does not show.
+/// like the other channels, and these are multiplied by it. Not thread safe; all threads are used, and their
+/// number does not show.
 class FlickerMeter {
  public:
   /// The next frame.
