@@ -245,6 +245,26 @@ TEST_F(CliVideo, TranscodePutsFramesWithAlphaOnABackground) {
   expect_failure(knotreel({"transcode", path("in"), "-f", "null", "--background", "green"}), 2);
 }
 
+TEST_F(CliVideo, ColoursThatAlphaHidesDoNotMatter) {
+  const auto document_of = [&](bool noise) {
+    std::filesystem::create_directories(path("in"));
+    for (int i = 0; i < 4; ++i) {
+      image::Image picture = test::moving_picture(48, 32, 4, i);
+      const image::Image hidden = test::random_8bit_picture(48, 32, 4, static_cast<unsigned>(i));
+      for (std::size_t k = 0; k < picture.samples.size(); k += 4) {
+        const bool seen = picture.samples[k] > 100;
+        picture.samples[k + 3] = seen ? 255 : 0;
+        for (std::size_t c = 0; c < 3 && !seen; ++c)
+          picture.samples[k + c] = noise ? hidden.samples[k + c] : 0;
+      }
+      image::write_image(path("in/p" + std::to_string(i) + ".png"), picture);
+    }
+    expect_success(knotreel({"vectorize", path("in"), "-o", document_, "--preset", "fast"}));
+    return read_text(document_);
+  };
+  EXPECT_TRUE(document_of(true) == document_of(false));
+}
+
 TEST_F(CliVideo, RenderStatsTellOfEveryFrame) {
   vectorize();
   expect_success(knotreel({"render", document_, "-o", path("o.mkv"), "--stats", path("s.json")}));
