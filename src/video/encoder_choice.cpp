@@ -93,6 +93,9 @@ AVPixelFormat likely_source(const AVCodec& encoder, const StreamInfo& frames) {
 }
 
 bool can_be_packed(AVPixelFormat format) {
+  // Its description has two bits of red and three of blue; encoders, and all other code of libav, the
+  // reverse.
+  if (format == AV_PIX_FMT_RGB8) return false;
   const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
   constexpr int kNever = AV_PIX_FMT_FLAG_HWACCEL | AV_PIX_FMT_FLAG_PAL | AV_PIX_FMT_FLAG_BAYER |
                          AV_PIX_FMT_FLAG_FLOAT | AV_PIX_FMT_FLAG_BITSTREAM;
@@ -131,6 +134,7 @@ bool fits_size(const AVCodec& encoder, AVPixelFormat format, const StreamInfo& f
 
 std::vector<AVPixelFormat> candidates(const AVCodec& encoder, const StreamInfo& frames) {
   std::vector<AVPixelFormat> all;
+  if (encoder.id == AV_CODEC_ID_GIF) return {AV_PIX_FMT_PAL8, AV_PIX_FMT_GRAY8};
   if (encoder.id == AV_CODEC_ID_WRAPPED_AVFRAME) {
     all = y4m_formats();
   } else if (encoder.pix_fmts == nullptr) {
@@ -229,6 +233,7 @@ AVPixelFormat choose_pixel_format(const AVCodec& encoder, const StreamInfo& fram
                                                  std::to_string(frames.width) + "x" +
                                                  std::to_string(frames.height));
   }
+  if (encoder.id == AV_CODEC_ID_GIF) return frames.channels == 1 ? AV_PIX_FMT_GRAY8 : AV_PIX_FMT_PAL8;
   const AVPixelFormat source = nearest_aim(source_format(encoder, frames), all);
   all.push_back(AV_PIX_FMT_NONE);
   int loss = 0;

@@ -117,6 +117,9 @@ class FileSink : public Sink {
       warnings.add(name +
                    "no alpha: frames are put on black (or on --background; vp9, ffv1 and prores keep alpha)");
     }
+    if (frames.channels % 2 == 0 && format == AV_PIX_FMT_PAL8) {
+      warnings.add(name + "alpha all or nothing: what is half transparent or more is left out");
+    }
     if (frames.depth > 8 && depth_of(description) == 8) {
       warnings.add(name + "8 bits: the " + std::to_string(frames.depth) + " of the pictures are rounded");
     }

@@ -8,6 +8,7 @@
 #include "colour_rules.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/image/background.h"
+#include "palette.h"
 
 namespace knotreel::video {
 namespace {
@@ -205,6 +206,14 @@ image::Image on_black(image::Image image) {
   return image;
 }
 
+void put_in_palette(const image::Image& image, AVFrame& frame) {
+  const PalettePicture picture = in_palette(image);
+  const auto width = std::size_t(image.width);
+  for (std::size_t y = 0; y < std::size_t(image.height); ++y)
+    std::copy_n(&picture.indices[y * width], width, frame.data[0] + std::ptrdiff_t(y) * frame.linesize[0]);
+  std::memcpy(frame.data[1], picture.colours.data(), sizeof picture.colours);
+}
+
 /// Components are put by "or" into what is there, and paddings should not tell of old memory.
 void clear(AVFrame& frame) {
   for (const AVBufferRef* buffer : frame.buf) {
@@ -226,6 +235,10 @@ FramePtr packed_frame(const image::Image& image, AVPixelFormat format, const Col
   frame->height = image.height;
   if (av_frame_get_buffer(frame.get(), 0) < 0) throw std::bad_alloc();
   clear(*frame);
+  if (format == AV_PIX_FMT_PAL8) {
+    put_in_palette(image, *frame);
+    return frame;
+  }
   const bool full = without_range(format) != format || full_range(colour.range, description);
   const int matrix = matrix_in_use(colour.matrix, coded_height);
   const Job job{image, *frame, description, luma_weights(matrix), chroma_place(colour.chroma_location), full};
