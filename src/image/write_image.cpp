@@ -28,6 +28,7 @@ Abilities abilities(ImageFormat format) {
     case ImageFormat::kTiff:
       return {true, true, true, true, false, true, true, true};
     case ImageFormat::kJpeg:
+    case ImageFormat::kBmp:  // with a fourth byte that nearly all readers ignore
       return {true, false, false, true, false, true, false, true};
     default:
       return {true, false, false, true, false, true, true, true};

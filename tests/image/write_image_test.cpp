@@ -74,6 +74,27 @@ INSTANTIATE_TEST_SUITE_P(LosslessFormats, WriteAndRead,
                                          Case{"a.webp", 3, SampleType::u8}),
                          case_name);
 
+TEST(WriteImage, AlphaIsKeptOrRefused) {
+  const TempDir dir;
+  for (const char* name : {"a.png", "a.ppm", "a.pam", "a.tiff", "a.webp", "a.bmp", "a.jpg"}) {
+    for (const int channels : {2, 4}) {
+      Image image = make_image(16, 16, channels);
+      for (std::size_t i = 0; i < image.samples.size(); ++i)
+        image.samples[i] = float(i % std::size_t(channels) + 1 == std::size_t(channels) ? i % 256 : 100);
+      try {
+        write_image(dir / name, image);
+      } catch (const Error& e) {
+        EXPECT_NE(std::string(e.what()).find("alpha"), std::string::npos) << name;
+        continue;
+      }
+      const Image back = read_image(dir / name);
+      ASSERT_EQ(back.channels, channels) << name;
+      for (int x = 0; x < 16; ++x)
+        EXPECT_NEAR(back.at(x, 5, channels - 1), image.at(x, 5, channels - 1), 2) << name;
+    }
+  }
+}
+
 TEST(WriteImage, JpegIsClose) {
   const TempDir dir;
   Image image = make_image(64, 48, 3);
