@@ -31,7 +31,7 @@ void add_background_option(CLI::App& command, std::string& colour) {
       .add_option(
           "--background", colour,
           "Put pictures with alpha on this colour: black, white, #rrggbb\nor R,G,B. Without it, alpha "
-          "is kept")
+          "is kept;\ncodecs that have none get black")
       ->type_name("COLOUR");
 }
 

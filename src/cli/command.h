@@ -23,7 +23,7 @@ void add_bench_command(CLI::App& program);
 /// Adds `--threads N` to a command; `threads` stays 0 (all cores) if it is not given.
 void add_threads_option(CLI::App& command, int& threads);
 
-/// Adds `--background COLOUR`, for parse_colour(); `colour` stays empty if it is not given.
+/// Adds `--background COLOUR`, for parse_background(); `colour` stays empty if it is not given.
 void add_background_option(CLI::App& command, std::string& colour);
 
 /// For check(): a number from `low` to `high`. CLI::Range lets "nan" through.

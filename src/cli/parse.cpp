@@ -53,9 +53,10 @@ Rect parse_rect(const std::string& option, const std::string& text) {
   return {v[0], v[1], v[2], v[3]};
 }
 
-std::array<float, 3> parse_colour(const std::string& option, const std::string& text) {
-  if (text == "black") return {0, 0, 0};
-  if (text == "white") return {255, 255, 255};
+image::Background parse_background(const std::string& text) {
+  if (text.empty()) return std::nullopt;
+  if (text == "black") return {{0, 0, 0}};
+  if (text == "white") return {{255, 255, 255}};
   std::vector<int> values;
   if (text.size() == 7 && text[0] == '#') {
     for (std::size_t i = 1; i < 7; i += 2) {
@@ -69,8 +70,8 @@ std::array<float, 3> parse_colour(const std::string& option, const std::string& 
   }
   const bool in_range = std::all_of(values.begin(), values.end(), [](int v) { return v >= 0 && v <= 255; });
   if (values.size() != 3 || !in_range)
-    refuse(option, text, "black, white, #rrggbb or R,G,B with values from 0 to 255");
-  return {static_cast<float>(values[0]), static_cast<float>(values[1]), static_cast<float>(values[2])};
+    refuse("--background", text, "black, white, #rrggbb or R,G,B with values from 0 to 255");
+  return {{static_cast<float>(values[0]), static_cast<float>(values[1]), static_cast<float>(values[2])}};
 }
 
 std::uint64_t parse_count(const std::string& option, const std::string& text, std::uint64_t whole) {

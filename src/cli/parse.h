@@ -1,10 +1,10 @@
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <optional>
 #include <string>
 
+#include "knotreel/image/background.h"
 #include "knotreel/video/stream_info.h"
 
 /// Texts of options -> values. All throw Error{kInvalidArgument} with the option's name and what it takes.
@@ -28,8 +28,8 @@ struct Rect {
 /// "X,Y,W,H"; X and Y at least 0, W and H at least 1.
 Rect parse_rect(const std::string& option, const std::string& text);
 
-/// "black", "white", "#rrggbb" or "R,G,B" with 0 <= R, G, B <= 255.
-std::array<float, 3> parse_colour(const std::string& option, const std::string& text);
+/// Of --background: "black", "white", "#rrggbb" or "R,G,B" with 0 <= R, G, B <= 255; empty: none.
+image::Background parse_background(const std::string& text);
 
 /// A count such as "3000", or a share such as "2.5%" of `whole`; the result is at least 1.
 std::uint64_t parse_count(const std::string& option, const std::string& text, std::uint64_t whole);

@@ -64,16 +64,14 @@ void write_turned(const raster::Renderer& renderer, const Turn& turn, const imag
     refuse("a video that is shown turned cannot give more than " + std::to_string(kMaxTurnedPixels) +
            " pixels; use --crop");
   }
-  image::Image whole = video::turned(renderer.whole(), turn);
-  image::put_on_background(whole.samples, renderer.channels(), background);
+  const image::Image whole = image::on_background(video::turned(renderer.whole(), turn), background);
   writer.write(whole.samples, whole.height);
 }
 
 void render_picture(const RenderArguments& arguments) {
   check_paths({arguments.input}, {{arguments.output}});
   const ThreadCap cap(arguments.threads);
-  image::Background background;
-  if (!arguments.background.empty()) background = parse_colour("--background", arguments.background);
+  const image::Background background = parse_background(arguments.background);
   image::ImageFileSpec spec;
   spec.samples = arguments.depth == "8"    ? image::SampleType::u8
                  : arguments.depth == "16" ? image::SampleType::u16
@@ -129,9 +127,7 @@ void render(const CLI::App& command, RenderArguments& arguments) {
   video.scale = arguments.scale;
   video.size = arguments.size;
   video.crop = arguments.crop;
-  if (!arguments.background.empty()) {
-    video.background = parse_colour("--background", arguments.background);
-  }
+  video.background = parse_background(arguments.background);
   video.depth = arguments.depth == "8" ? 0 : 16;
   video.aliased = arguments.aliased;
   video.threads = arguments.threads;

@@ -25,9 +25,7 @@ void transcode(TranscodeArguments& arguments) {
   run.video.path = nowhere ? arguments.format : output;  // these write no file
   run.video.options = write_options(arguments.encoding, arguments.format, run.threads);
   if (arguments.format == "hash") run.digest = output;
-  if (!arguments.background.empty()) {
-    run.video.background = parse_colour("--background", arguments.background);
-  }
+  run.video.background = parse_background(arguments.background);
   const pipeline::Summary summary = run_video(run);
   if (!run.digest.empty()) {
     write_text(run.digest, summary.digest + "\n");

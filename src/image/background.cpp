@@ -25,4 +25,10 @@ void put_on_background(std::vector<float>& samples, int channels, const Backgrou
   samples.resize(to);
 }
 
+Image on_background(Image picture, const Background& background) {
+  put_on_background(picture.samples, picture.channels, background);
+  picture.channels = channels_on(background, picture.channels);
+  return picture;
+}
+
 }  // namespace knotreel::image

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstdint>
-#include <utility>
 #include <vector>
 
 #include "knotreel/base/parallel.h"
@@ -11,9 +10,8 @@ namespace knotreel::image {
 namespace {
 
 constexpr float kNothing = 0.5F;  // levels of alpha
-constexpr float kFaint =
-    16;  // levels of alpha; a colour is off by up to 8 there if it was stored times alpha
-constexpr float kWhole = 0.5F;  // share of a block that has to be seen for its mean to count whole
+constexpr float kFaint = 16;      // likewise; a colour that was stored times alpha is off by up to 8 there
+constexpr float kWhole = 0.5F;    // share of a block that has to be seen for its mean to count whole
 
 /// Premultiplied by the weight, and the weight, per pixel.
 struct Level {
@@ -89,16 +87,15 @@ Level halved(const Level& fine) {
   return coarse;
 }
 
-/// Two pixels of a line of half the size, and the share of the second.
+/// The two pixels of a line of half the size that one is between; the second has a quarter of the weight.
 struct Between {
   int first, second;
-  float share;
 };
+constexpr float kSecond = 0.25F;
 
 Between between(int fine, int coarse_size) {
   const int near = fine / 2;
-  const int far = std::clamp(fine % 2 == 0 ? near - 1 : near + 1, 0, coarse_size - 1);
-  return {near, far, 0.25F};
+  return {near, std::clamp(fine % 2 == 0 ? near - 1 : near + 1, 0, coarse_size - 1)};
 }
 
 /// What is missing to a weight of 1 comes from the coarser level, linearly in between.
@@ -111,10 +108,10 @@ void fill(const Level& coarse, Level& fine) {
       if (missing <= 0) continue;
       const Between right = between(x, coarse.width);
       const auto along = [&](int y, std::size_t c) {
-        return (1 - right.share) * coarse.at(right.first, y)[c] + right.share * coarse.at(right.second, y)[c];
+        return (1 - kSecond) * coarse.at(right.first, y)[c] + kSecond * coarse.at(right.second, y)[c];
       };
       for (std::size_t c = 0; c < fine.stride(); ++c)
-        to[c] += missing * ((1 - down.share) * along(down.first, c) + down.share * along(down.second, c));
+        to[c] += missing * ((1 - kSecond) * along(down.first, c) + kSecond * along(down.second, c));
     }
   });
 }

@@ -223,20 +223,17 @@ ImageMetrics compare_same_channels(const Image& a, const Image& b, Figures figur
   return metrics;
 }
 
-/// As seen on a ground of this colour.
-Image on_ground(Image picture, float level) {
-  put_on_background(picture.samples, picture.channels, Background{{level, level, level}});
-  picture.channels = picture.colour_channels();
-  return picture;
-}
-
 double mean_square_of(double psnr) {
   return std::pow(10.0, -psnr / 10);
 }
 
 ImageMetrics compare_on_grounds(const Image& a, const Image& b, Figures figures) {
-  const ImageMetrics black = compare_same_channels(on_ground(a, 0), on_ground(b, 0), figures);
-  const ImageMetrics white = compare_same_channels(on_ground(a, 255), on_ground(b, 255), figures);
+  const auto on = [&](float level) {
+    const Background ground{{level, level, level}};
+    return compare_same_channels(on_background(a, ground), on_background(b, ground), figures);
+  };
+  const ImageMetrics black = on(0);
+  const ImageMetrics white = on(255);
   const double square = (mean_square_of(black.psnr) + mean_square_of(white.psnr)) / 2;
   return {.mec = (black.mec + white.mec) / 2,
           .rmse = std::sqrt((black.rmse * black.rmse + white.rmse * white.rmse) / 2),

@@ -61,8 +61,7 @@ void PictureOutput::draw(Message& message, const BasisPointer& basis) const {
     if (writer_ && same_size_) message.rendering = std::move(own);
   }
   if (writer_ && message.rendering.samples.empty()) message.rendering = rendered(message, basis, at_output_);
-  image::put_on_background(message.rendering.samples, message.rendering.channels, background_);
-  message.rendering.channels = image::channels_on(background_, message.rendering.channels);
+  message.rendering = image::on_background(std::move(message.rendering), background_);
 }
 
 void PictureOutput::write(Message& message) {

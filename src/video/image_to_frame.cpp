@@ -200,10 +200,8 @@ void put_colours(const Job& job) {
   if (!is_grey(job.format)) put_chroma(job);
 }
 
-image::Image on_black(image::Image image) {
-  image::put_on_background(image.samples, image.channels, image::Background{{0, 0, 0}});
-  image.channels = image.colour_channels();
-  return image;
+image::Image on_black(const image::Image& image) {
+  return image::on_background(image, image::Background{{0, 0, 0}});
 }
 
 void put_in_palette(const image::Image& image, AVFrame& frame) {

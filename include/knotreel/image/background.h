@@ -4,6 +4,8 @@
 #include <optional>
 #include <vector>
 
+#include "knotreel/image/image.h"
+
 namespace knotreel::image {
 
 /// Opaque colour to put a picture with alpha on, 0..255; none keeps the alpha.
@@ -15,5 +17,8 @@ int channels_on(const Background& background, int channels);
 /// Puts samples with alpha (2 or 4 channels) on a colour, in place; the result is tightly packed, without
 /// alpha. Others are left as they are.
 void put_on_background(std::vector<float>& samples, int channels, const Background& background);
+
+/// The same for a whole picture.
+Image on_background(Image picture, const Background& background);
 
 }  // namespace knotreel::image

@@ -10,9 +10,9 @@ namespace knotreel::image {
 /// has more, whose colours are mostly rounded away. All others and alpha stay as they are; a picture in which
 /// nothing is seen becomes black. Done twice, nothing changes any more.
 ///
-/// By a pyramid of means, from the coarse to the fine (push and pull [Gortler96]): linear time, a third of
-/// the picture as memory. Pictures without alpha cost nothing. All threads are used; their number does not
-/// show.
+/// By a pyramid of means, from the coarse to the fine (push and pull [Gortler96]): linear time, and four
+/// thirds of the picture as memory. Pictures without alpha cost nothing. All threads are used; their number
+/// does not show.
 Image extend_seen_colours(Image picture);
 
 }  // namespace knotreel::image
