@@ -19,6 +19,8 @@ struct CompareArguments {
   std::string b;
   std::uint64_t frame = 0;
   bool one_frame = false;  ///< --frame was given
+  std::string deinterlace = "auto";
+  std::string filter;
   std::string stats;
   bool json = false;
   int threads = 0;
@@ -48,9 +50,16 @@ void compare(const CompareArguments& arguments) {
   check_paths({arguments.a, arguments.b}, {{arguments.stats}});
   const bool videos = !arguments.one_frame && (has_frames(arguments.a) || has_frames(arguments.b));
   if (videos) {
-    compare_videos({arguments.a, arguments.b, arguments.stats, arguments.json, arguments.threads});
+    compare_videos({.reference = arguments.a,
+                    .result = arguments.b,
+                    .deinterlace = arguments.deinterlace,
+                    .filter = arguments.filter,
+                    .stats = arguments.stats,
+                    .json = arguments.json,
+                    .threads = arguments.threads});
   } else {
     if (!arguments.stats.empty()) throw Error(ErrorKind::kInvalidArgument, "--stats is for videos");
+    if (!arguments.filter.empty()) throw Error(ErrorKind::kInvalidArgument, "--filter is for videos");
     compare_pictures(arguments);
   }
 }
@@ -78,6 +87,12 @@ void add_compare_command(CLI::App& program) {
       ->add_option("--stats", arguments->stats,
                    "Write the figures of every frame of videos as JSON; '-': standard output")
       ->type_name("FILE");
+  add_deinterlace_option(*command, arguments->deinterlace);
+  command
+      ->add_option("--filter", arguments->filter,
+                   "Filters for the frames of the video A, as ffmpeg -vf takes them: those\n"
+                   "that B was made with")
+      ->type_name("GRAPH");
   command->add_flag("--json", arguments->json, "Print the figures as JSON");
   add_threads_option(*command, arguments->threads);
   command->footer(kCompareFooter);

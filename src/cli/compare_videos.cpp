@@ -124,8 +124,12 @@ std::string figures_text(const Comparison& comparison, std::pair<int, int> size)
 
 void compare_videos(const CompareVideos& arguments) {
   const ThreadCap cap(arguments.threads);
-  const auto reference = open_frames(arguments.reference, arguments.threads);
-  const auto result = open_frames(arguments.result, arguments.threads);
+  video::ReadOptions reading;
+  reading.threads = arguments.threads;
+  reading.deinterlace = deinterlace_mode(arguments.deinterlace);
+  const auto result = open_frames(arguments.result, reading);
+  reading.filter = arguments.filter;
+  const auto reference = open_frames(arguments.reference, reading);
   Comparison comparison;
   const auto size = compare_all(*reference, *result, comparison);
   if (comparison.frames() == 0) throw Error(ErrorKind::kInput, "there are no frames to compare");

@@ -7,7 +7,9 @@ namespace knotreel::cli {
 struct CompareVideos {
   std::string reference;
   std::string result;
-  std::string stats;  ///< file for the figures of every frame; empty: none
+  std::string deinterlace = "auto";  ///< of both
+  std::string filter;                ///< of the reference
+  std::string stats;                 ///< file for the figures of every frame; empty: none
   bool json = false;
   int threads = 0;
 };

@@ -14,8 +14,9 @@ namespace {
 
 class VideoFrames : public FrameSource {
  public:
-  VideoFrames(const std::string& path, int threads)
-      : reader_(video::VideoReader::open(path, options(threads))), turn_(video::turn_of(reader_.info())) {}
+  VideoFrames(const std::string& path, video::ReadOptions options)
+      : reader_(video::VideoReader::open(path, pictures_only(std::move(options)))),
+        turn_(video::turn_of(reader_.info())) {}
 
   bool next(image::Image& image) override {
     video::Frame frame;
@@ -26,9 +27,7 @@ class VideoFrames : public FrameSource {
   std::vector<std::string> warnings() const override { return reader_.warnings(); }
 
  private:
-  static video::ReadOptions options(int threads) {
-    video::ReadOptions options;
-    options.threads = threads;
+  static video::ReadOptions pictures_only(video::ReadOptions options) {
     options.copy_streams = false;
     return options;
   }
@@ -70,9 +69,9 @@ bool has_frames(const std::string& path) {
   return !path.ends_with(".tcb") && is_video(path, {});
 }
 
-std::unique_ptr<FrameSource> open_frames(const std::string& path, int threads) {
+std::unique_ptr<FrameSource> open_frames(const std::string& path, const video::ReadOptions& options) {
   if (is_document(path)) return std::make_unique<DocumentFrames>(path);
-  return std::make_unique<VideoFrames>(path, threads);
+  return std::make_unique<VideoFrames>(path, options);
 }
 
 }  // namespace knotreel::cli

@@ -25,7 +25,8 @@ bool is_document(const std::string& path);
 /// Whether a file holds several frames: a video, or a document with more than one.
 bool has_frames(const std::string& path);
 
+/// @param options  of a video; documents need none
 /// @throws Error{kInput} if it is neither video nor document.
-std::unique_ptr<FrameSource> open_frames(const std::string& path, int threads);
+std::unique_ptr<FrameSource> open_frames(const std::string& path, const video::ReadOptions& options);
 
 }  // namespace knotreel::cli

@@ -15,11 +15,34 @@ void add_video_input_options(CLI::App& command, VideoInputOptions& options) {
   command.add_option("--image-rate", options.image_rate, "Frames per second of a folder of pictures")
       ->type_name("R")
       ->capture_default_str();
+  add_deinterlace_option(command, options.deinterlace);
+  command
+      .add_option("--filter", options.filter,
+                  "Filters for the frames of a video before anything else, as ffmpeg -vf\n"
+                  "takes them, such as crop=640:360,hqdn3d")
+      ->type_name("GRAPH");
   add_part_options(command, options.part,
                    "Only these frames of the video, counted from 0, and their sound; A- is up\nto the end");
   command.add_flag("--strict", options.strict,
                    "Damage in a video is an error; without, what can be\n"
                    "decoded is used, and a warning tells of the rest");
+}
+
+void add_deinterlace_option(CLI::App& command, std::string& mode) {
+  command
+      .add_option("--deinterlace", mode,
+                  "auto: frames that say they are interlaced show the first of their\n"
+                  "two moments; fields: both, at twice the rate; all: as auto, whatever\n"
+                  "frames say; no: both in one frame, line by line")
+      ->check(CLI::IsMember({"auto", "no", "all", "fields"}).description(""))
+      ->type_name("MODE")
+      ->capture_default_str();
+}
+
+video::Deinterlace deinterlace_mode(const std::string& name) {
+  if (name == "no") return video::Deinterlace::kNone;
+  if (name == "all") return video::Deinterlace::kAll;
+  return name == "fields" ? video::Deinterlace::kFields : video::Deinterlace::kMarked;
 }
 
 void add_video_output_options(CLI::App& command, VideoOutputOptions& options) {
@@ -84,6 +107,8 @@ video::ReadOptions read_options(const VideoInputOptions& given, int threads) {
   options.copy_streams = !given.no_copy_streams;
   options.format = given.format;
   options.image_rate = parse_rate("--image-rate", given.image_rate);
+  options.deinterlace = deinterlace_mode(given.deinterlace);
+  options.filter = given.filter;
   options.part = part_of(given.part);
   for (const std::string& pair : given.demuxer) {
     const std::size_t sign = pair.find('=');

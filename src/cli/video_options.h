@@ -22,6 +22,8 @@ struct VideoInputOptions {
   std::string format;
   std::vector<std::string> demuxer;  ///< "key=value"
   std::string image_rate = "25";
+  std::string deinterlace = "auto";
+  std::string filter;
   PartOptions part;
   bool strict = false;
   bool no_copy_streams = false;
@@ -36,6 +38,10 @@ struct VideoOutputOptions {
 
 /// Adds them to a command; `options` must live until it has been parsed.
 void add_video_input_options(CLI::App& command, VideoInputOptions& options);
+/// "auto", "no", "all" or "fields".
+void add_deinterlace_option(CLI::App& command, std::string& mode);
+video::Deinterlace deinterlace_mode(const std::string& name);
+
 void add_video_output_options(CLI::App& command, VideoOutputOptions& options);
 void add_progress_option(CLI::App& command, std::string& file);
 void add_trace_option(CLI::App& command, std::string& file);

@@ -1,6 +1,10 @@
 #include "libav.h"
 
+#include <array>
+#include <cctype>
+#include <cstdio>
 #include <limits>
+#include <utility>
 
 #include "knotreel/video/packet.h"
 
@@ -13,19 +17,41 @@ std::string Options::unused() const {
 
 namespace {
 
-void count_complaint(void* context, int level, const char*, va_list) {
-  if (level > AV_LOG_ERROR || context == nullptr) return;
+thread_local std::string* first_error = nullptr;  ///< of the innermost ErrorListener
+
+void keep_first_error(const char* format, va_list arguments) {
+  if (first_error == nullptr || !first_error->empty()) return;
+  std::array<char, 400> text{};
+  std::vsnprintf(text.data(), text.size(), format, arguments);
+  *first_error = text.data();
+  while (!first_error->empty() && std::isspace(static_cast<unsigned char>(first_error->back())) != 0)
+    first_error->pop_back();
+}
+
+void count_complaint(void* context) {
+  if (context == nullptr) return;
   if (*static_cast<const AVClass* const*>(context) != avcodec_get_class()) return;
   void* listener = static_cast<const AVCodecContext*>(context)->opaque;
   if (listener != nullptr) ++*static_cast<Complaints*>(listener);
 }
 
+void hear(void* context, int level, const char* format, va_list arguments) {
+  if (level > AV_LOG_ERROR) return;
+  count_complaint(context);
+  keep_first_error(format, arguments);
+}
+
 }  // namespace
+
+ErrorListener::ErrorListener() : before_(std::exchange(first_error, &first_)) {}
+ErrorListener::~ErrorListener() {
+  first_error = before_;
+}
 
 void silence_libav() {
   static const bool once = [] {
     av_log_set_level(AV_LOG_QUIET);
-    av_log_set_callback(count_complaint);
+    av_log_set_callback(hear);
     return true;
   }();
   (void)once;

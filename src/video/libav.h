@@ -70,6 +70,22 @@ void silence_libav();
 /// How many errors a codec has told of in libav's log, if its `opaque` points here. From any thread.
 using Complaints = std::atomic<std::uint64_t>;
 
+/// Keeps the first error that libav tells of in its log, in this thread, while it lives.
+class ErrorListener {
+ public:
+  ErrorListener();
+  ~ErrorListener();
+  ErrorListener(const ErrorListener&) = delete;
+  ErrorListener& operator=(const ErrorListener&) = delete;
+
+  /// Empty if there was none.
+  const std::string& first() const { return first_; }
+
+ private:
+  std::string first_;
+  std::string* before_;
+};
+
 /// What a negative result of libav means, in words.
 std::string error_text(int code);
 

@@ -54,6 +54,9 @@ class PictureSource : public Source {
       : files_(std::move(files)), options_(options) {
     if (!options.image_rate.known())
       throw Error(ErrorKind::kInvalidArgument, "the image rate must be above 0");
+    if (!options.filter.empty())
+      throw Error(ErrorKind::kInvalidArgument, "filters are for videos, and these are pictures");
+    options_.deinterlace = Deinterlace::kNone;
     // The first picture says what the frames are, so it has to be whole.
     first_ = read_picture(files_.front(), options_);
     describe(*first_);

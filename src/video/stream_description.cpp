@@ -30,7 +30,22 @@ ColourTags colours(const AVFrame& frame, const AVPixFmtDescriptor& description) 
   return tags;
 }
 
-void describe_pictures(StreamInfo& info, AVFormatContext& format, AVStream& stream, AVFrame& frame) {
+Fields fields_of(const AVStream& stream, const AVFrame& first) {
+  if (first.interlaced_frame != 0)
+    return first.top_field_first != 0 ? Fields::kTopFirst : Fields::kBottomFirst;
+  switch (stream.codecpar->field_order) {
+    case AV_FIELD_TT:
+    case AV_FIELD_BT:
+      return Fields::kTopFirst;
+    case AV_FIELD_BB:
+    case AV_FIELD_TB:
+      return Fields::kBottomFirst;
+    default:
+      return Fields::kNone;
+  }
+}
+
+void describe_shape(StreamInfo& info, const AVFrame& frame) {
   const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(AVPixelFormat(frame.format));
   info.width = frame.width;
   info.height = frame.height;
@@ -38,6 +53,11 @@ void describe_pictures(StreamInfo& info, AVFormatContext& format, AVStream& stre
   info.depth = depth_of(description);
   info.pixel_format = description.name;
   info.colour = colours(frame, description);
+}
+
+void describe_pictures(StreamInfo& info, AVFormatContext& format, AVStream& stream, AVFrame& frame) {
+  describe_shape(info, frame);
+  info.fields = fields_of(stream, frame);
   info.sample_aspect = from_av(av_guess_sample_aspect_ratio(&format, &stream, &frame));
   std::size_t size = 0;
   const std::uint8_t* matrix = av_stream_get_side_data(&stream, AV_PKT_DATA_DISPLAYMATRIX, &size);
@@ -115,6 +135,17 @@ StreamInfo describe_stream(AVFormatContext& format, AVStream& stream, const AVCo
   describe_times(info, format, stream, decoder, options);
   estimate_length(info, format, stream);
   return info;
+}
+
+void describe_filtered(StreamInfo& info, const AVFrame& first, AVRational time_base, AVRational rate) {
+  describe_shape(info, first);
+  info.sample_aspect = from_av(first.sample_aspect_ratio);
+  info.start = in_range(av_rescale_q(info.start, to_av(info.time_base), time_base));
+  info.time_base = from_av(time_base);
+  if (rate.num > 0 && rate.den > 0) info.frame_rate = from_av(rate);
+  // What the container tells is of other frames.
+  info.frames = std::uint64_t(in_range(info.seconds * info.frame_rate.value()));
+  info.end = 0;
 }
 
 double told_end(const AVStream& stream) {

@@ -9,6 +9,10 @@ namespace knotreel::video {
 StreamInfo describe_stream(AVFormatContext& format, AVStream& stream, const AVCodecContext& decoder,
                            AVFrame& first, const ReadOptions& options);
 
+/// Takes up what filters have made of the frames: their shape, and their clock if it is another one.
+/// @param first  of the frames as they are handed out
+void describe_filtered(StreamInfo& info, const AVFrame& first, AVRational time_base, AVRational rate);
+
 /// When a track ends, in seconds; 0 if it is not told.
 double told_end(const AVStream& stream);
 

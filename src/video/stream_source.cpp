@@ -28,6 +28,14 @@ std::string hint_of_pipe(const AVFormatContext& format) {
   return from_pipe && has_index ? "; from a pipe, MP4 must have its index at its beginning (faststart)" : "";
 }
 
+/// How long a frame lasts by itself; 0 if nothing tells.
+std::int64_t duration_of(const AVFrame& frame, const StreamInfo& info) {
+  if (frame.pkt_duration > 0 && is_time(frame.pkt_duration)) return frame.pkt_duration;
+  if (!info.frame_rate.known()) return 0;
+  const std::int64_t usual = av_rescale_q(1, av_inv_q(to_av(info.frame_rate)), to_av(info.time_base));
+  return is_time(usual) ? usual : 0;
+}
+
 }  // namespace
 
 StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
@@ -36,16 +44,28 @@ StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
   if (const int others = demuxer_.other_videos(); others > 0) {
     warnings_.add(std::to_string(others) + " more video streams are left out");
   }
-  ahead_ = decode();
-  if (!ahead_)
-    throw Error(ErrorKind::kInput,
-                demuxer_.cannot_read() + "no frame of it can be decoded" + hint_of_pipe(*demuxer_.format()));
-  info_ = describe_stream(*demuxer_.format(), *demuxer_.video(), *decoder_, *ahead_, options);
+  begin(options);
   if (std::uint64_t(info_.width) * std::uint64_t(info_.height) > image::kMaxPixels) {
     throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "its frames have too many pixels");
   }
-  stamp(*ahead_);
   to_image_.emplace(info_.width, info_.height, info_.channels);
+}
+
+/// The first frame tells what the others are like.
+void StreamSource::begin(const ReadOptions& options) {
+  FramePtr first = decode();
+  if (!first)
+    throw Error(ErrorKind::kInput,
+                demuxer_.cannot_read() + "no frame of it can be decoded" + hint_of_pipe(*demuxer_.format()));
+  decoded_info_ = describe_stream(*demuxer_.format(), *demuxer_.video(), *decoder_, *first, options);
+  stamp(*first);
+  filter_.emplace(options, to_av(decoded_info_.time_base), to_av(decoded_info_.frame_rate), warnings_);
+  filter_->send(std::move(first));
+  ahead_ = filtered();
+  if (!ahead_) throw Error(ErrorKind::kInvalidArgument, "no frame is left by '" + options.filter + "'");
+  info_ = decoded_info_;
+  if (filter_->changes_times())
+    describe_filtered(info_, *ahead_, filter_->time_base(), filter_->frame_rate());
 }
 
 void StreamSource::open_decoder(int threads) {
@@ -85,6 +105,21 @@ void StreamSource::damage(const std::string& why) {
                                        std::to_string(decoded_) + " (" + why + ")");
   }
   warnings_.count("packets or frames are damaged and left out");
+}
+
+/// The next frame as it is handed out; null at the end.
+FramePtr StreamSource::filtered() {
+  for (;;) {
+    if (FramePtr frame = filter_->receive()) return frame;
+    if (filter_ended_) return {};
+    FramePtr frame = decode();
+    if (frame) {
+      stamp(*frame);
+    } else {
+      filter_ended_ = true;
+    }
+    filter_->send(std::move(frame));
+  }
 }
 
 FramePtr StreamSource::decode() {
@@ -188,7 +223,7 @@ void StreamSource::take_video(PacketPtr packet) {
 void StreamSource::stamp(AVFrame& frame) {
   const std::int64_t step = std::max<std::int64_t>(last_duration_, 1);
   std::int64_t pts = is_time(frame.best_effort_timestamp) ? frame.best_effort_timestamp : AV_NOPTS_VALUE;
-  if (!info_.timestamps) {
+  if (!decoded_info_.timestamps) {
     pts = last_pts_ == AV_NOPTS_VALUE ? 0 : last_pts_ + 1;
     frame.pkt_duration = 1;
   } else if (pts == AV_NOPTS_VALUE) {
@@ -202,20 +237,13 @@ void StreamSource::stamp(AVFrame& frame) {
     throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "the times of frames are out of range");
   frame.pts = pts;
   last_pts_ = pts;
-  last_duration_ = duration_of(frame);
-}
-
-std::int64_t StreamSource::duration_of(const AVFrame& frame) const {
-  if (frame.pkt_duration > 0 && is_time(frame.pkt_duration)) return frame.pkt_duration;
-  if (!info_.frame_rate.known()) return 0;
-  const std::int64_t usual = av_rescale_q(1, av_inv_q(to_av(info_.frame_rate)), to_av(info_.time_base));
-  return is_time(usual) ? usual : 0;
+  last_duration_ = duration_of(frame, decoded_info_);
 }
 
 /// What stands beside the last frame may be nothing (Matroska), or the time until the next frame to be
 /// decoded (mp4); the end of the track tells better.
 std::int64_t StreamSource::last_duration(const AVFrame& frame) const {
-  const std::int64_t usual = duration_of(frame);
+  const std::int64_t usual = duration_of(frame, info_);
   if (info_.end <= 0 || usual <= 0) return usual;
   const std::int64_t told = info_.end - frame.pts;
   return told > usual / 4 && told < usual * 4 ? told : usual;
@@ -224,8 +252,8 @@ std::int64_t StreamSource::last_duration(const AVFrame& frame) const {
 /// What is not there of what the input tells of its own length; empty if nothing is missed.
 std::string StreamSource::what_is_missing() const {
   const bool guessed = demuxer_.format()->duration_estimation_method == AVFMT_DURATION_FROM_BITRATE;
-  if (info_.timestamps && !guessed) {
-    const double tick = info_.time_base.value();
+  if (decoded_info_.timestamps && !guessed) {
+    const double tick = decoded_info_.time_base.value();
     const double missing = told_end(*demuxer_.video()) - (double(last_pts_) + double(last_duration_)) * tick;
     if (missing >= std::max(0.2, 3 * double(last_duration_) * tick))
       return "it tells of " + std::to_string(missing) + " s more";
@@ -242,19 +270,18 @@ void StreamSource::check_end() {
 }
 
 void StreamSource::look_ahead() {
-  ahead_ = decode();
-  if (!ahead_) {
+  ahead_ = filtered();
+  if (ahead_) {
+    look_at(*ahead_);
+  } else {
     check_end();
-    return;
   }
-  look_at(*ahead_);
 }
 
 void StreamSource::look_at(AVFrame& frame) {
   if (frame.width != info_.width || frame.height != info_.height) {
     warnings_.count("frames are of another size than the first, and scaled to it");
   }
-  stamp(frame);
 }
 
 /// Fills in all but the picture, which is in what is returned; null at the end.
@@ -289,7 +316,9 @@ bool StreamSource::decode_from(std::int64_t pts) {
   packets_.clear();
   last_pts_ = AV_NOPTS_VALUE;
   last_duration_ = 0;
-  ahead_ = decode();
+  filter_->reset();
+  filter_ended_ = false;
+  ahead_ = filtered();
   if (ahead_) look_at(*ahead_);
   return ahead_ != nullptr;
 }
@@ -298,7 +327,7 @@ bool StreamSource::decode_from(std::int64_t pts) {
 /// behind the packet that is found may need some before it.
 bool StreamSource::seek(double seconds) {
   constexpr double kEarlier = 3;
-  if (!ahead_ || !info_.timestamps || strict_) return false;
+  if (!ahead_ || !info_.timestamps || strict_ || filter_->changes_times()) return false;
   const double target = (seconds - kEarlier) / info_.time_base.value();
   const std::int64_t here = ahead_->pts;
   if (!(target > double(here)) || target > double(kMaxTicks)) return false;

@@ -5,13 +5,14 @@
 #include <utility>
 
 #include "demuxer.h"
+#include "frame_filter.h"
 #include "frame_to_image.h"
 #include "source.h"
 
 namespace knotreel::video {
 
-/// Decodes a video stream, one frame ahead of what it hands out: only the next frame tells how long one
-/// lasts.
+/// Decodes a video stream, and filters it, one frame ahead of what it hands out: only the next frame tells
+/// how long one lasts.
 class StreamSource : public Source {
  public:
   StreamSource(const std::string& input, const ReadOptions& options);
@@ -28,8 +29,10 @@ class StreamSource : public Source {
 
  private:
   void open_decoder(int threads);
+  void begin(const ReadOptions& options);
   FramePtr decode();
   FramePtr receive();
+  FramePtr filtered();
   void feed();
   PacketPtr read_packet();
   void keep(PacketPtr packet);
@@ -37,7 +40,6 @@ class StreamSource : public Source {
   void take_video(PacketPtr packet);
   void damage(const std::string& why);
   void stamp(AVFrame& frame);
-  std::int64_t duration_of(const AVFrame& frame) const;
   std::int64_t last_duration(const AVFrame& frame) const;
   void look_ahead();
   void look_at(AVFrame& frame);
@@ -50,14 +52,16 @@ class StreamSource : public Source {
   bool strict_, chapters_;
   Complaints complaints_{0};  ///< of decoder_
   CodecPtr decoder_;
+  StreamInfo decoded_info_;  ///< of frames before they are filtered
+  std::optional<FrameFilter> filter_;
   std::optional<FrameToImage> to_image_;
   FramePtr ahead_;
   std::vector<Packet> packets_;
   std::uint64_t decoded_ = 0, handed_out_ = 0;
   /// Frames before that time come from a seek: what they lack, because it lies before them, is no damage.
   std::int64_t shown_from_ = AV_NOPTS_VALUE;
-  std::int64_t last_pts_ = AV_NOPTS_VALUE, last_duration_ = 0;
-  bool drained_ = false, cut_short_ = false;
+  std::int64_t last_pts_ = AV_NOPTS_VALUE, last_duration_ = 0;  ///< before filters
+  bool drained_ = false, filter_ended_ = false, cut_short_ = false;
   double clock_ = -std::numeric_limits<double>::infinity();  ///< of packets_until(), seconds
   bool packets_ended_ = false;                               ///< likewise
 };

@@ -525,6 +525,45 @@ TEST_F(CliVideo, CompareTellsWhichOfTheTwoIsDamaged) {
   EXPECT_EQ(result.err.find("'" + clip_), std::string::npos) << result.err;
 }
 
+TEST_F(CliVideo, FiltersComeBeforeAnythingElse) {
+  expect_success(knotreel(
+      {"transcode", clip_, "-o", path("out.mkv"), "--preset", "fast", "--filter", "crop=32:24,hflip"}));
+  const json info = json::parse(knotreel({"info", path("out.mkv"), "--json"}).out);
+  EXPECT_EQ(info["width"], 32);
+  EXPECT_EQ(info["height"], 24);
+  const auto compared =
+      knotreel({"compare", clip_, path("out.mkv"), "--filter", "crop=32:24,hflip", "--json"});
+  expect_success(compared);
+  EXPECT_GT(json::parse(compared.out)["psnr"].get<double>(), 20);
+  const auto wrong = knotreel({"transcode", clip_, "-o", path("no.mkv"), "--filter", "nosuch"});
+  expect_failure(wrong, 2);
+  EXPECT_NE(wrong.err.find("No such filter: 'nosuch'"), std::string::npos) << wrong.err;
+  EXPECT_FALSE(std::filesystem::exists(path("no.mkv")));
+}
+
+TEST_F(CliVideo, InterlacedVideosAreDeinterlacedAndSaidToBe) {
+  // Two frames of 32x24, whose odd lines are of another brightness in the second.
+  const std::string lines = std::string(32, '\x40') + std::string(32, '\x40');
+  const std::string combed = std::string(32, '\x40') + std::string(32, '\xa0');
+  const auto frame = [](const std::string& pair) {
+    std::string bytes = "FRAME\n";
+    for (int i = 0; i < 12; ++i) bytes += pair;
+    return bytes + std::string(2 * 32 * 24, '\x80');
+  };
+  test::write_text(path("a.y4m"), "YUV4MPEG2 W32 H24 F25:1 It A1:1 C444\n" + frame(lines) + frame(combed));
+  EXPECT_EQ(json::parse(knotreel({"info", path("a.y4m"), "--json"}).out)["first_field"], "top");
+  const auto frames_with = [&](const std::string& mode) {
+    const auto result = knotreel({"vectorize", path("a.y4m"), "-o", document_, "--deinterlace", mode});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.err.find("2 frames are interlaced") != std::string::npos, mode != "no") << result.err;
+    return json::parse(knotreel({"info", document_, "--json"}).out)["frame_count"].get<int>();
+  };
+  EXPECT_EQ(frames_with("auto"), 2);
+  EXPECT_EQ(frames_with("fields"), 4);
+  EXPECT_EQ(frames_with("no"), 2);
+  expect_failure(knotreel({"vectorize", path("a.y4m"), "-o", document_, "--deinterlace", "maybe"}), 2);
+}
+
 TEST_F(CliVideo, WhatIsNoVideoIsExit3) {
   std::ofstream(path("no.mp4")) << "this is no video at all, whatever its name says";
   expect_failure(knotreel({"transcode", path("no.mp4"), "-o", path("o.mkv")}), 3);

@@ -35,6 +35,14 @@ struct Part {
   friend bool operator==(const Part&, const Part&) = default;
 };
 
+/// What becomes of interlaced frames, which hold the lines of two moments in turns.
+enum class Deinterlace : std::uint8_t {
+  kNone,    ///< they stay as they are
+  kMarked,  ///< of those that the video says are interlaced, the first moment is shown
+  kAll,     ///< likewise, of all frames, whatever the video says
+  kFields,  ///< of those that the video says are interlaced, both moments are shown: twice as many frames
+};
+
 struct ReadOptions {
   int threads = 0;           ///< for decoding; 0: as many as there are cores
   bool strict = false;       ///< damage is an error
@@ -43,7 +51,9 @@ struct ReadOptions {
   std::string format;        ///< libav's name of the input format; empty: found by content
   std::map<std::string, std::string> demuxer_options;  ///< such as video_size, framerate, pixel_format
   Rational image_rate{25, 1};                          ///< of pictures
-  Part part;                                           ///< all, if not told otherwise
+  Deinterlace deinterlace = Deinterlace::kMarked;      ///< pictures are never deinterlaced
+  std::string filter;  ///< filters of libavfilter for decoded frames, as `ffmpeg -vf` takes them; empty: none
+  Part part;           ///< all, if not told otherwise
 };
 
 inline constexpr std::size_t kPictureStart = 4096;  ///< bytes that are enough for holds_one_picture()
@@ -65,7 +75,7 @@ class VideoReader {
   ///               order; a pattern with one `%d` or `%04d`, taken by number. Frames are brought to the size
   ///               of the first one.
   /// @throws Error{kInput} if there is nothing that can be decoded, Error{kInvalidArgument} for options that
-  /// the format does not know, and for a part without a frame.
+  /// the format does not know, for filters that are none or for pictures, and for a part without a frame.
   static VideoReader open(const std::string& input, const ReadOptions& options = {});
   VideoReader(VideoReader&&) noexcept;
   VideoReader& operator=(VideoReader&&) noexcept;

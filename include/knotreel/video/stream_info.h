@@ -36,6 +36,9 @@ struct ColourNames {
 };
 ColourNames names_of(const ColourTags& tags);
 
+/// Whether frames hold the lines of two moments in turns, and which come first; kNone also if it is not told.
+enum class Fields : std::uint8_t { kNone, kTopFirst, kBottomFirst };
+
 /// What is known of a video, and what a writer has to know of the frames that it will get.
 struct StreamInfo {
   int width = 0;              ///< pixels of the frames handed out, before any rotation
@@ -49,6 +52,7 @@ struct StreamInfo {
   Rational frame_rate;        ///< frames per second, the average if it varies
   Rational sample_aspect;     ///< width of a pixel to its height
   ColourTags colour;
+  Fields fields = Fields::kNone;          ///< of the source, before it is deinterlaced
   std::vector<std::byte> display_matrix;  ///< 3 x 3, as libav keeps it; empty if none. Kept, not applied
   std::int64_t start = 0;    ///< ticks that a writer takes away: the clock of MPEG TS and PS starts anywhere
   std::uint64_t frames = 0;  ///< an estimate; 0 if unknown

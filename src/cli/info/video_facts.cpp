@@ -54,6 +54,11 @@ std::string colour_text(const Facts& colour) {
   return text.empty() ? text : "colour          " + text + "\n";
 }
 
+Facts fields_facts(video::Fields fields) {
+  if (fields == video::Fields::kNone) return nullptr;
+  return fields == video::Fields::kTopFirst ? "top" : "bottom";
+}
+
 std::string length_text(const Facts& facts) {
   if (facts["frames"] == 0) return "not told";
   return fmt::format("about {} frames, {:.3f} s", facts["frames"].get<std::uint64_t>(),
@@ -88,6 +93,7 @@ Facts video_facts(const std::string& path) {
           {"depth", info.depth},
           {"pixel_format", info.pixel_format},
           {"colour", colour_facts(info.colour)},
+          {"first_field", fields_facts(info.fields)},
           {"sample_aspect", rational_facts(info.sample_aspect)},
           {"rotation", video::rotation_degrees(info)},
           {"time_base", {info.time_base.num, info.time_base.den}},
@@ -111,6 +117,8 @@ std::string video_text(const std::string& path, const Facts& facts) {
       facts["pixel_format"].get<std::string>(), colour_text(facts["colour"]), rate_text(facts["frame_rate"]),
       facts["time_base"][0].get<std::int64_t>(), facts["time_base"][1].get<std::int64_t>(),
       length_text(facts));
+  if (!facts["first_field"].is_null())
+    text += fmt::format("interlaced      {} field first\n", facts["first_field"].get<std::string>());
   if (const double degrees = facts["rotation"].get<double>(); degrees != 0) {
     text += fmt::format("rotation        shown {:g} degrees clockwise\n", degrees);
   }

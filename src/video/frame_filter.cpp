@@ -1,0 +1,125 @@
+#include "frame_filter.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "knotreel/base/error.h"
+
+namespace knotreel::video {
+namespace {
+
+/// Motion adaptive, from three frames [bwdif]: what rests keeps all of its lines.
+std::string deinterlacer(Deinterlace mode) {
+  switch (mode) {
+    case Deinterlace::kNone:
+      return "";
+    case Deinterlace::kMarked:
+      return "bwdif=mode=send_frame:deint=interlaced";
+    case Deinterlace::kAll:
+      return "bwdif=mode=send_frame:deint=all";
+    case Deinterlace::kFields:
+      return "bwdif=mode=send_field:deint=interlaced";
+  }
+  return "";
+}
+
+std::string in_a_row(const std::string& first, const std::string& second) {
+  return first.empty() || second.empty() ? first + second : first + "," + second;
+}
+
+}  // namespace
+
+FrameFilter::FrameFilter(const ReadOptions& options, AVRational time_base, AVRational rate,
+                         Warnings& warnings)
+    : mode_(options.deinterlace),
+      filter_(options.filter),
+      sent_time_base_(time_base),
+      time_base_(time_base),
+      sent_rate_(rate),
+      rate_(rate),
+      warnings_(warnings) {}
+
+/// What a frame has to go through; empty if it can pass as it is. Two moments for each frame are another
+/// clock, so they have their deinterlacer from the first frame on.
+std::string FrameFilter::filters_for(const AVFrame& frame) const {
+  const bool is_whole = mode_ == Deinterlace::kMarked && frame.interlaced_frame == 0;
+  if (given_up_ || is_whole) return filter_;
+  return in_a_row(deinterlacer(mode_), filter_);
+}
+
+void FrameFilter::set_up(const AVFrame& frame, const std::string& filters) {
+  try {
+    graph_.emplace(filters, frame, sent_time_base_, sent_rate_);
+  } catch (const Error& e) {
+    if (mode_ != Deinterlace::kMarked || filters == filter_) throw;
+    // Nobody has asked for it, so it is no reason to end.
+    given_up_ = true;
+    warnings_.add(std::string("interlaced frames are left as they are: ") + e.what());
+    if (!filter_.empty()) set_up(frame, filter_);
+    return;
+  }
+  // One clock for all of the video, whatever the frames behind the first are like.
+  if (!changes_times() || std::exchange(has_clock_, true)) return;
+  time_base_ = graph_->time_base();
+  rate_ = graph_->frame_rate();
+}
+
+void FrameFilter::send(FramePtr frame) {
+  if (!frame) {
+    drain();
+    return;
+  }
+  const bool is_interlaced = frame->interlaced_frame != 0 && mode_ != Deinterlace::kNone;
+  const bool lacks_deinterlacer = is_interlaced && !deinterlaces_ && !given_up_;
+  if (graph_ && (!graph_->takes(*frame) || lacks_deinterlacer)) drain();
+  if (const std::string filters = filters_for(*frame); !graph_ && !filters.empty()) {
+    set_up(*frame, filters);
+    deinterlaces_ = filters != filter_;
+  }
+  if (!graph_) {
+    ready_.push_back(std::move(frame));
+    return;
+  }
+  if (is_interlaced && !given_up_) warnings_.count("frames are interlaced, and deinterlaced");
+  graph_->send(std::move(frame));
+}
+
+/// Takes what the graph still has, and leaves it.
+void FrameFilter::drain() {
+  if (!graph_) return;
+  graph_->send(nullptr);
+  while (FramePtr frame = from_graph()) ready_.push_back(std::move(frame));
+  graph_.reset();
+}
+
+FramePtr FrameFilter::from_graph() {
+  FramePtr frame = graph_->receive();
+  if (!frame) return {};
+  const std::int64_t earliest = last_pts_ == AV_NOPTS_VALUE ? 0 : last_pts_ + 1;
+  std::int64_t pts = earliest;
+  if (frame->pts != AV_NOPTS_VALUE) pts = av_rescale_q(frame->pts, graph_->time_base(), time_base_);
+  if (last_pts_ != AV_NOPTS_VALUE) pts = std::max(pts, earliest);
+  if (!is_time(pts))
+    throw Error(ErrorKind::kInvalidArgument, "'" + filter_ + "' makes times that are out of range");
+  frame->pts = last_pts_ = pts;
+  // What stands there is of the frames before the filters.
+  if (changes_times()) frame->pkt_duration = 0;
+  return frame;
+}
+
+FramePtr FrameFilter::receive() {
+  if (!ready_.empty()) {
+    FramePtr frame = std::move(ready_.front());
+    ready_.pop_front();
+    return frame;
+  }
+  return graph_ ? from_graph() : FramePtr();
+}
+
+void FrameFilter::reset() {
+  graph_.reset();
+  ready_.clear();
+  last_pts_ = AV_NOPTS_VALUE;
+}
+
+}  // namespace knotreel::video
