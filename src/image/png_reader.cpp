@@ -64,6 +64,10 @@ Decoded decode_png(std::span<const std::byte> file) {
     source.height = png_get_image_height(source.png, source.info);
   });
   check_size(source.width, source.height);
+  // Deflate shrinks at most 1032 : 1, so a header that promises more is known to lie before memory is taken.
+  // Stored rows: palettes and single bits become several times as much.
+  const std::size_t stored_bytes = png_get_rowbytes(source.png, source.info) * source.height;
+  if (stored_bytes / 1032 > file.size()) throw DecodeError("the file is cut short");
 
   guarded(source, [&] {
     png_set_expand(source.png);  // palette to RGB, transparent colour to alpha, fewer than 8 bits to 8
@@ -74,8 +78,6 @@ Decoded decode_png(std::span<const std::byte> file) {
     source.channels = png_get_channels(source.png, source.info);
   });
   const std::size_t row_bytes = png_get_rowbytes(source.png, source.info);
-  // Deflate shrinks at most 1032 : 1, so a header that promises more is known to lie before memory is taken.
-  if (row_bytes * source.height / 1032 > file.size()) throw DecodeError("the file is cut short");
   source.raw.resize(row_bytes * source.height);
   source.rows.resize(source.height);
   for (std::size_t y = 0; y < source.height; ++y) {

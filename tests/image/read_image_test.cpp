@@ -88,29 +88,42 @@ TEST(ReadImage, ColourProfilesAreNoted) {
   }
 }
 
-TEST(ReadImage, PngPalettesTransparencyAndSmallDepths) {
-  const TempDir dir;
-  // A 2-bit palette picture with one transparent entry, by libpng itself.
-  std::FILE* file = std::fopen((dir / "p.png").c_str(), "wb");
+/// A picture of two bits per pixel with a palette of four colours, by libpng itself.
+/// @param rows  of packed pixels. @param alpha  of the first two colours, or null
+void write_palette_png(const std::string& path, png_uint_32 width,
+                       const std::vector<std::vector<png_byte>>& rows, const png_byte* alpha) {
+  std::FILE* file = std::fopen(path.c_str(), "wb");
   png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, nullptr, nullptr, nullptr);
   png_infop info = png_create_info_struct(png);
   png_init_io(png, file);
-  png_set_IHDR(png, info, 4, 1, 2, PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_NONE, PNG_COMPRESSION_TYPE_DEFAULT,
-               PNG_FILTER_TYPE_DEFAULT);
+  png_set_IHDR(png, info, width, png_uint_32(rows.size()), 2, PNG_COLOR_TYPE_PALETTE, PNG_INTERLACE_NONE,
+               PNG_COMPRESSION_TYPE_DEFAULT, PNG_FILTER_TYPE_DEFAULT);
   const png_color palette[] = {{255, 0, 0}, {0, 255, 0}, {0, 0, 255}, {9, 9, 9}};
-  const png_byte alpha[] = {255, 128};
   png_set_PLTE(png, info, palette, 4);
-  png_set_tRNS(png, info, alpha, 2, nullptr);
+  if (alpha != nullptr) png_set_tRNS(png, info, alpha, 2, nullptr);
   png_write_info(png, info);
-  const png_byte row[] = {0b00011011};
-  png_write_row(png, row);
+  for (const std::vector<png_byte>& row : rows) png_write_row(png, row.data());
   png_write_end(png, info);
   png_destroy_write_struct(&png, &info);
   std::fclose(file);
+}
+
+TEST(ReadImage, PngPalettesTransparencyAndSmallDepths) {
+  const TempDir dir;
+  const png_byte alpha[] = {255, 128};
+  write_palette_png(dir / "p.png", 4, {{0b00011011}}, alpha);
   const Image image = read_image(dir / "p.png");
   EXPECT_EQ(image.channels, 4);
   EXPECT_EQ(image.samples,
             (std::vector<float>{255, 0, 0, 255, 0, 255, 0, 128, 0, 0, 255, 255, 9, 9, 9, 255}));
+}
+
+TEST(ReadImage, AFlatPaletteIsLargerByFarThanItsFile) {
+  const TempDir dir;
+  write_palette_png(dir / "p.png", 1600, std::vector(1200, std::vector<png_byte>(400, 0b10101010)), nullptr);
+  const Image image = read_image(dir / "p.png");
+  EXPECT_EQ(image.width, 1600);
+  EXPECT_EQ(image.at(1599, 1199, 2), 255);
 }
 
 TEST(ReadImage, JpegIsTurnedByItsExifOrientation) {
