@@ -171,7 +171,7 @@ void print_ablation(const std::vector<Picture>& pictures) {
     double bytes = 0;
     for (std::size_t i = 0; i < pictures.size(); ++i) {
       Options options = vectorize::preset_options(vectorize::Preset::kBalanced);
-      options.max_control_points = vectorize::default_control_points(pictures[i].image.pixel_count());
+      options.max_control_points = vectorize::default_control_points(pictures[i].image);
       v.change(options);
       const Outcome o = measure(pictures[i].image, options, near[i]);
       psnr += o.psnr;

@@ -130,7 +130,8 @@ void vectorize_picture(const VectorizeArguments& arguments) {
     warn(fmt::format("{} has a colour profile, which is not applied: colours are taken as they are stored",
                      arguments.input));
   }
-  const vectorize::Options options = effective_options(arguments.options, image.pixel_count());
+  vectorize::Options options = effective_options(arguments.options, image.pixel_count());
+  options.max_control_points = vectorize::most_control_points(options, image);
   OutputFiles files(arguments);
   Watcher watcher(arguments.debug_dir, timer);
   timer.finish("decode");
@@ -207,7 +208,7 @@ void add_vectorize_command(CLI::App& program) {
   command
       ->add_option("-o,--output", arguments->output, "Vector document to write (.tcb); '-': standard output")
       ->type_name("FILE");
-  add_vectorize_options(*command, arguments->options, "2.75%, of videos 2%");
+  add_vectorize_options(*command, arguments->options, "2.75%, of drawings 10%, of videos 2%");
   command
       ->add_option("--stats", arguments->stats,
                    "Write options, counts, quality and time of every round as JSON;\n'-': standard output")

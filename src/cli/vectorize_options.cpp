@@ -119,11 +119,6 @@ void add_surface(CLI::App& command, VectorizeOptions& options) {
       ->capture_default_str();
 }
 
-std::size_t bound(const VectorizeOptions& given, std::uint64_t pixels) {
-  if (given.max_control_points) return parse_count("--max-control-points", *given.max_control_points, pixels);
-  return vectorize::default_control_points(pixels);
-}
-
 template <typename Value>
 void replace(Value& value, const std::optional<Value>& given) {
   if (given) value = *given;
@@ -145,7 +140,9 @@ vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_
   const vectorize::Preset preset = kPresets.at(given.preset);
   vectorize::Options options =
       starts_group ? vectorize::group_preset_options(preset) : vectorize::preset_options(preset);
-  options.max_control_points = bound(given, pixels);
+  // Otherwise it depends on the picture.
+  if (given.max_control_points)
+    options.max_control_points = parse_count("--max-control-points", *given.max_control_points, pixels);
   replace(options.mec, given.mec);
   replace(options.block_error, given.block_error);
   replace(options.meg, given.meg);

@@ -6,6 +6,7 @@
 #include "features/draw.h"
 #include "features/extract.h"
 #include "features/gradient.h"
+#include "features/stepped.h"
 #include "knotreel/base/error.h"
 
 namespace knotreel::features {
@@ -36,7 +37,9 @@ void check(const image::Image& image, const DetectOptions& options) {
 FeatureChains detect_features(const image::Image& image, const DetectOptions& options) {
   check(image, options);
   const GradientField field = make_gradient_field(image, options);
-  return extract_chains(draw_edges(field, options), field);
+  FeatureChains chains = extract_chains(draw_edges(field, options), field);
+  for (Chain& chain : chains.chains) chain.stepped = is_stepped(image, chain);
+  return chains;
 }
 
 }  // namespace knotreel::features

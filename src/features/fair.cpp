@@ -52,15 +52,16 @@ void fair_chains(FeatureChains& chains, const FairOptions& options) {
   if (options.iterations < 0) {
     throw Error(ErrorKind::kInvalidArgument, "the iterations of the fairing must not be negative");
   }
-  if (!(options.max_shift > 0))
+  if (!(options.max_shift > 0 && options.max_shift_of_steps > 0))
     throw Error(ErrorKind::kInvalidArgument, "the shift of the fairing must be positive");
   const Positions before = positions_of(chains);
   std::vector<Vec2> scratch;
   for (std::size_t c = 0; c < chains.chains.size(); ++c) {
     Chain& chain = chains.chains[c];
+    const double most = chain.stepped ? options.max_shift_of_steps : options.max_shift;
     for (int round = 0; round < options.iterations; ++round) {
-      step(chain, before[c], options.lambda, options.max_shift, scratch);
-      if (options.keep_size) step(chain, before[c], step_back(options.lambda), options.max_shift, scratch);
+      step(chain, before[c], options.lambda, most, scratch);
+      if (options.keep_size) step(chain, before[c], step_back(options.lambda), most, scratch);
     }
   }
   untangle(chains, before);

@@ -32,4 +32,9 @@ double flat_share(const image::Image& image) {
   return static_cast<double>(count) / static_cast<double>(columns * flat.size());
 }
 
+bool is_drawing(const image::Image& image) {
+  constexpr double kDrawnShare = 0.6;  // what is left of films by codecs has 0.5 and less
+  return flat_share(image) >= kDrawnShare;
+}
+
 }  // namespace knotreel::features

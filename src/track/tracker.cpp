@@ -122,7 +122,7 @@ class Tracker::Impl {
     report = {};
     laps_.emplace(report.milliseconds);
     report.start = groups_.next(motion);
-    most_functions_ = vectorize::most_control_points(cold_, picture.pixel_count());
+    most_functions_ = vectorize::most_control_points(cold_, picture);
     if (report.start == Start::kWarm) {
       if (motion->repeated) {
         repeat();

@@ -122,12 +122,12 @@ void drop_winding(double max_turning, features::FeatureChains& chains) {
   std::erase_if(chains.chains, [&](const features::Chain& c) { return turning(c) > max_turning; });
 }
 
-void keep_within_budget(const image::Image& picture, double functions, double most, double share,
+bool keep_within_budget(const image::Image& picture, double functions, double most, double share,
                         features::FeatureChains& chains) {
-  if (functions <= kWeakShare * most) return;
-  if (keep_strongest(picture, kMargin * kWeakShare * most / functions, true, chains)) return;
-  if (functions <= share * most) return;
-  keep_strongest(picture, std::min(kMargin * share, kMostLeft) * most / functions, false, chains);
+  if (functions <= kWeakShare * most) return false;
+  if (keep_strongest(picture, kMargin * kWeakShare * most / functions, true, chains)) return false;
+  if (functions <= share * most) return false;
+  return keep_strongest(picture, std::min(kMargin * share, kMostLeft) * most / functions, false, chains);
 }
 
 }  // namespace knotreel::vectorize

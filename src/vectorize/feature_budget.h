@@ -26,7 +26,8 @@ void drop_winding(double max_turning, features::FeatureChains& chains);
 /// stand in for.
 /// @param functions that the chains cost together. @param most control points of the whole model.
 /// @param share     of these for features, 0 to 1.
-void keep_within_budget(const image::Image& picture, double functions, double most, double share,
+/// @return whether that share was not enough, so that strong ones were dropped, too.
+bool keep_within_budget(const image::Image& picture, double functions, double most, double share,
                         features::FeatureChains& chains);
 
 }  // namespace knotreel::vectorize

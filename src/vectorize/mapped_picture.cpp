@@ -15,16 +15,12 @@ namespace {
 
 using mesh::EditableMesh;
 
-// Of the pixels of a drawing that are flat, at least; screenshots and clip art have 0.64 and more, what is
-// left of films by codecs 0.5 and less.
-constexpr double kDrawnShare = 0.6;
-
 /// Without noise, which thresholds are there for, faint edges are edges, too.
 features::DetectOptions detect_options(const image::Image& picture, const Options& options) {
   features::DetectOptions detect = options.detect;
   const bool softer = options.drawn_blur > detect.max_blur;
   const bool fainter = options.drawn_threshold > 0 && options.drawn_threshold < detect.edge_threshold;
-  if (!(softer || fainter) || features::flat_share(picture) < kDrawnShare) return detect;
+  if (!(softer || fainter) || !features::is_drawing(picture)) return detect;
   if (softer) detect.max_blur = options.drawn_blur;
   if (fainter) {
     detect.anchor_threshold *= options.drawn_threshold / detect.edge_threshold;
@@ -102,8 +98,9 @@ class Mapping {
   /// Drops chains if they cost too many control points. @return whether it did.
   bool limit_features(double functions) {
     const std::size_t before = mapped_.detected.chains.size();
-    keep_within_budget(picture_, functions, static_cast<double>(max_functions_), options_.feature_share,
-                       mapped_.detected);
+    if (keep_within_budget(picture_, functions, static_cast<double>(max_functions_), options_.feature_share,
+                           mapped_.detected))
+      mapped_.over_share = true;
     const std::size_t dropped = before - mapped_.detected.chains.size();
     log_.report.chains_over_budget += dropped;
     return dropped > 0;

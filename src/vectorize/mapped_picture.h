@@ -19,7 +19,8 @@ struct MappedPicture {
   image::Image corrected;          ///< without the mixed colours beside features; empty without features
   features::ImageMesh image_mesh;  ///< empty without features
   param::Parametrization parametrization;
-  mesh::KnotMesh knots;  ///< that features ask for
+  mesh::KnotMesh knots;     ///< that features ask for
+  bool over_share = false;  ///< strong features were dropped, too
 
   bool has_features() const { return !faired.chains.empty(); }
 };

@@ -2,18 +2,32 @@
 
 #include <algorithm>
 
+#include "knotreel/features/flat_share.h"
+
 namespace knotreel::vectorize {
 
-std::size_t default_control_points(std::uint64_t pixels) {
-  return std::max<std::size_t>(256, static_cast<std::size_t>(0.0275 * static_cast<double>(pixels)));
+namespace {
+
+constexpr std::size_t kMostOfDrawings = 200'000;
+
+std::size_t share_of(std::uint64_t pixels, double share) {
+  return std::max<std::size_t>(256, static_cast<std::size_t>(share * static_cast<double>(pixels)));
+}
+
+}  // namespace
+
+std::size_t default_control_points(const image::Image& picture) {
+  const std::size_t of_photograph = share_of(picture.pixel_count(), 0.0275);
+  if (of_photograph >= kMostOfDrawings || !features::is_drawing(picture)) return of_photograph;
+  return std::min(kMostOfDrawings, share_of(picture.pixel_count(), 0.1));
 }
 
 std::size_t default_video_control_points(std::uint64_t pixels) {
-  return std::max<std::size_t>(256, static_cast<std::size_t>(0.02 * static_cast<double>(pixels)));
+  return share_of(pixels, 0.02);
 }
 
-std::size_t most_control_points(const Options& options, std::uint64_t pixels) {
-  return options.max_control_points > 0 ? options.max_control_points : default_control_points(pixels);
+std::size_t most_control_points(const Options& options, const image::Image& picture) {
+  return options.max_control_points > 0 ? options.max_control_points : default_control_points(picture);
 }
 
 Options preset_options(Preset preset) {

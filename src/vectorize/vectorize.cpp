@@ -82,7 +82,7 @@ class Run {
       : picture_(picture), options_(options), log_(picture, observer) {}
 
   Vectorization run() {
-    const std::size_t max_functions = most_control_points(options_, picture_.pixel_count());
+    const std::size_t max_functions = most_control_points(options_, picture_);
     log_.begin_round("round 1");
     const std::unique_ptr<Start> start = make_start(picture_, options_, max_functions, log_);
     Samples& samples = *start->samples;

@@ -46,7 +46,8 @@ TEST(Cli, HelpTellsTheDefaultOfTheCommand) {
   EXPECT_NE(help("transcode").find("(default 2%, "), std::string::npos);
   EXPECT_EQ(help("transcode").find("2.75%"), std::string::npos);
   for (const char* command : {"vectorize", "batch"}) {
-    EXPECT_NE(help(command).find("(default 2.75%, of videos 2%, "), std::string::npos) << command;
+    EXPECT_NE(help(command).find("(default 2.75%, of drawings 10%, of videos 2%, "), std::string::npos)
+        << command;
   }
 }
 

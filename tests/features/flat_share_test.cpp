@@ -34,6 +34,14 @@ TEST(FlatShare, NoiseIsNotFlat) {
   EXPECT_LT(flat_share(testing::draw(64, 48, [&](double, double) { return 90 + noise(random); })), 0.1);
 }
 
+TEST(FlatShare, DrawingsAreToldFromNoise) {
+  SCOPED_TRACE(kNoiseSeed);
+  std::mt19937 random(kNoiseSeed);
+  std::normal_distribution<double> noise(0, 30);
+  EXPECT_TRUE(is_drawing(testing::disc(64, 31.7, 32.2, 20)));
+  EXPECT_FALSE(is_drawing(testing::draw(64, 48, [&](double, double) { return 90 + noise(random); })));
+}
+
 TEST(FlatShare, EachChannelCounts) {
   image::Image picture = image::make_image(16, 12, 3);
   std::fill(picture.samples.begin(), picture.samples.end(), 50.0F);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <sstream>
 
 #include "knotreel/base/error.h"
@@ -225,7 +226,7 @@ TEST(Vectorize, NothingIsLeftOutWhereTheRestIsEasy) {
   const Vectorization v = vectorize_picture(picture, options);
   EXPECT_EQ(v.report.chains, 0U) << "this is about what is smooth";
   EXPECT_LT(worst_block(picture, v.model), options.mec * options.block_error);
-  EXPECT_LT(v.report.rounds.back().control_points, most_control_points(options, picture.pixel_count()) / 2)
+  EXPECT_LT(v.report.rounds.back().control_points, most_control_points(options, picture) / 2)
       << "the rest is easy";
   options.block_error = 0;
   const Vectorization by_mean = vectorize_picture(picture, options);
@@ -328,7 +329,12 @@ TEST_P(BoundOnControlPoints, HoldsForPicturesThatAreAllEdges) {
       return std::fmod(x, 11) < 6 && std::fmod(y, 13) < 8 ? Colour{0, 0, 0, 0} : Colour{255, 255, 255, 0};
     });
   }
-  for (const std::size_t bound : {60U, 300U, 1000U}) {
+  if (kind == 3) {  // line art
+    picture = draw(160, 120, 3, [](double x, double y) {
+      return std::fmod(std::hypot(x - 70, y - 66), 16) < 5 ? Colour{0, 0, 0, 0} : Colour{255, 255, 255, 0};
+    });
+  }
+  for (const std::size_t bound : {60U, 300U, 1000U, 1300U, 1600U, 2000U}) {
     Options options;
     options.max_control_points = bound;
     const Vectorization v = vectorize_picture(picture, options);
@@ -337,7 +343,41 @@ TEST_P(BoundOnControlPoints, HoldsForPicturesThatAreAllEdges) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, BoundOnControlPoints, testing::Values(0, 1, 2));
+INSTANTIATE_TEST_SUITE_P(Kinds, BoundOnControlPoints, testing::Values(0, 1, 2, 3));
+
+TEST(Vectorize, LineArtKeepsAllItsLinesIfTheyFit) {
+  const image::Image picture = draw(240, 180, 3, [](double x, double y) {
+    const bool on_line = std::fmod(x + 0.2 * y, 20) < 4 && y > 15 && y < 165;
+    return on_line ? Colour{0, 0, 0, 0} : Colour{255, 255, 255, 0};
+  });
+  Options options;
+  options.max_control_points = 10000;
+  const Vectorization all = vectorize_picture(picture, options);
+  EXPECT_EQ(all.report.chains_over_budget, 0U);
+  // Within the bound, but more than the share that features have otherwise.
+  const std::size_t needed = all.model.space->function_count();
+  options.max_control_points = needed * 5 / 4;
+  const Vectorization some = vectorize_picture(picture, options);
+  EXPECT_EQ(some.report.chains_over_budget, 0U);
+  EXPECT_EQ(some.report.chains, all.report.chains);
+  EXPECT_LE(some.model.space->function_count(), options.max_control_points);
+  EXPECT_GT(psnr(picture, some.model), psnr(picture, all.model) - 1);
+}
+
+TEST(Vectorize, DrawingsMayHaveMoreControlPoints) {
+  const image::Image drawing = draw(300, 200, 3, [](double x, double y) {
+    return std::hypot(x - 110, y - 86) < 60 ? Colour{0, 0, 0, 0} : Colour{255, 255, 255, 0};
+  });
+  EXPECT_EQ(default_control_points(drawing), 6000U);
+  EXPECT_EQ(default_control_points(image::make_image(20, 10, 3)), 256U);
+  EXPECT_EQ(default_control_points(image::make_image(2000, 1500, 1)), 200000U);
+  EXPECT_EQ(default_control_points(image::make_image(4000, 2000, 1)), 220000U);
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> noise(0, 255);
+  image::Image film = image::make_image(300, 200, 1);
+  for (float& sample : film.samples) sample = noise(random);
+  EXPECT_EQ(default_control_points(film), 1650U);
+}
 
 TEST(Vectorize, AllDegrees) {
   const image::Image picture = still_life(90, 70);

@@ -11,4 +11,8 @@ namespace knotreel::features {
 /// for any number of threads.
 double flat_share(const image::Image& image);
 
+/// Whether a picture was drawn, by hand or by a program, rather than photographed: flat_share() is 0.6 or
+/// more.
+bool is_drawing(const image::Image& image);
+
 }  // namespace knotreel::features

@@ -49,7 +49,7 @@ struct Options {
   bool picture_links = true;  ///< link triangulations chosen by the picture
   features::DetectOptions detect{
       .edge_threshold = 8, .anchor_threshold = 16, .min_length = 10, .min_weight = 600, .max_blur = 2};
-  /// For drawings (features::flat_share() 0.6 or more). In place of detect.max_blur, if that is smaller: the
+  /// For drawings (features::is_drawing()). In place of detect.max_blur, if that is smaller: the
   /// smooth surface does not replace their edges.
   double drawn_blur = 0;
   /// In place of detect.edge_threshold, if that is larger, with the anchor threshold in proportion: there is
@@ -78,15 +78,16 @@ struct Options {
 };
 
 /// 2.75 % of the pixels, but at least 256: for photographs about 0.75 bytes per pixel by
-/// raw_accounting_bytes().
-std::size_t default_control_points(std::uint64_t pixels);
+/// raw_accounting_bytes(). Of drawings (features::is_drawing()) 10 %, up to 200,000: most need far fewer, and
+/// where there is small text nothing else keeps it legible (docs/decisions/0036).
+std::size_t default_control_points(const image::Image& picture);
 
 /// 2 % of the pixels, but at least 256, of a frame of a video: it has less to give than a photograph, since
 /// its colours are coarser, and the frame before tells most of it.
 std::size_t default_video_control_points(std::uint64_t pixels);
 
 /// Those that a model may have at most: what the options say, or as many as by default.
-std::size_t most_control_points(const Options& options, std::uint64_t pixels);
+std::size_t most_control_points(const Options& options, const image::Image& picture);
 
 /// The effort of a preset, all else as by default.
 Options preset_options(Preset preset);
