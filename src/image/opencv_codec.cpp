@@ -137,9 +137,22 @@ class OpenCvWriter final : public CheckedRowWriter {
   cv::Mat mat_;
 };
 
+/// What OpenCV does not read, and tells nothing of, or reads wrongly.
+void check_kind(std::span<const std::byte> file, ImageFormat format) {
+  const auto byte_at = [&](std::size_t i) {
+    return i < file.size() ? std::to_integer<unsigned>(file[i]) : 0U;
+  };
+  const bool extended_webp = format == ImageFormat::kWebp && byte_at(12) == 'V' && byte_at(15) == 'X';
+  if (extended_webp && (byte_at(20) & 2U) != 0)
+    throw DecodeError("it is an animated WebP, which is not read; a GIF, an APNG or a video of it is");
+  if (format == ImageFormat::kBmp && byte_at(14) == 12 && byte_at(15) == 0)
+    throw DecodeError("it is a BMP of OS/2, which is not read");  // colours would come out as grey
+}
+
 }  // namespace
 
 Decoded decode_with_opencv(std::span<const std::byte> file, ImageFormat format) {
+  check_kind(file, format);
   const ProbedSize size = probe_size(file, format);
   check_size(size.width, size.height);
   // IMREAD_UNCHANGED keeps alpha but ignores the EXIF orientation; a JPEG has the latter and no alpha.

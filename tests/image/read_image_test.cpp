@@ -126,6 +126,20 @@ TEST(ReadImage, AFlatPaletteIsLargerByFarThanItsFile) {
   EXPECT_EQ(image.at(1599, 1199, 2), 255);
 }
 
+TEST(ReadImage, KindsThatAreNotReadAreNamed) {
+  const TempDir dir;
+  const std::string webp = std::string("RIFF\x24\0\0\0WEBPVP8X\x0a\0\0\0", 20);
+  const std::string size = std::string("\0\0\0\x0f\0\0\x07\0\0", 9);
+  write_text(dir / "moving.webp", webp + '\x12' + size);
+  EXPECT_NE(refusal(dir / "moving.webp").find("animated WebP"), std::string::npos);
+  write_text(dir / "still.webp", webp + '\x10' + size);
+  EXPECT_EQ(refusal(dir / "still.webp").find("animated WebP"), std::string::npos);
+  write_text(dir / "os2.bmp",
+             std::string("BM\x26\0\0\0\0\0\0\0\x1a\0\0\0\x0c\0\0\0\x02\0\x02\0\x01\0\x18\0", 26) +
+                 std::string(12, 'x'));
+  EXPECT_NE(refusal(dir / "os2.bmp").find("OS/2"), std::string::npos);
+}
+
 TEST(ReadImage, JpegIsTurnedByItsExifOrientation) {
   const TempDir dir;
   cv::Mat mat(16, 32, CV_8UC3, cv::Scalar(0, 0, 0));
