@@ -6,6 +6,8 @@ extern "C" {
 #include <libavutil/macros.h>
 }
 
+#include <type_traits>
+
 namespace knotreel::video {
 namespace {
 

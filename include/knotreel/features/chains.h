@@ -27,8 +27,7 @@ struct Chain {
   NodeIndex last_node = 0;
   bool first_on_border = false;  ///< the curve runs on to the side of the picture next to its end pixel
   bool last_on_border = false;
-  bool stepped =
-      false;  ///< an edge without colours in between, as of two-coloured pictures: off by half a px
+  bool stepped = false;  ///< no colours in between, as without antialiasing: known to half a pixel
 };
 
 /// All feature curves of a picture. No pixel belongs to two chains, nor twice to one, except for nodes.
