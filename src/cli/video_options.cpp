@@ -32,8 +32,8 @@ void add_deinterlace_option(CLI::App& command, std::string& mode) {
   command
       .add_option("--deinterlace", mode,
                   "auto: frames that say they are interlaced show the first of their\n"
-                  "two moments; fields: both, at twice the rate; all: as auto, whatever\n"
-                  "frames say; no: both in one frame, line by line")
+                  "two moments; all: as auto, whatever frames say; fields: both moments\n"
+                  "of all frames, at twice the rate; no: both in one, line by line")
       ->check(CLI::IsMember({"auto", "no", "all", "fields"}).description(""))
       ->type_name("MODE")
       ->capture_default_str();

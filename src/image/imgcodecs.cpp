@@ -1,6 +1,6 @@
 #include "imgcodecs.h"
 
-#include <dlfcn.h>
+#include "base/loaded_library.h"
 
 namespace knotreel::image {
 namespace {
@@ -10,27 +10,17 @@ struct Loaded {
   std::string why;  ///< empty if all is there
 };
 
-template <typename Function>
-void find(void* library, const char* name, Function& function, std::string& why) {
-  function = reinterpret_cast<Function>(::dlsym(library, name));
-  if (function == nullptr) why = std::string("no ") + name + " in " KNOTREEL_IMGCODECS;
-}
-
 Loaded load() {
   Loaded loaded;
-  void* library = ::dlopen(KNOTREEL_IMGCODECS, RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) {
-    const char* error = ::dlerror();
-    loaded.why = error == nullptr ? "cannot load " KNOTREEL_IMGCODECS : error;
-    return loaded;
-  }
+  LoadedLibrary library(KNOTREEL_IMGCODECS);
   // cv::imdecode(InputArray, int) and cv::imencode(String, InputArray, vector<uchar>&, vector<int>); the
   // library has no functions with plain names.
-  find(library, "_ZN2cv8imdecodeERKNS_11_InputArrayEi", loaded.functions.decode, loaded.why);
-  find(library,
-       "_ZN2cv8imencodeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE"
-       "RKNS_11_InputArrayERSt6vectorIhSaIhEERKSB_IiSaIiEE",
-       loaded.functions.encode, loaded.why);
+  library.find("_ZN2cv8imdecodeERKNS_11_InputArrayEi", loaded.functions.decode);
+  library.find(
+      "_ZN2cv8imencodeERKNSt7__cxx1112basic_stringIcSt11char_traitsIcESaIcEEE"
+      "RKNS_11_InputArrayERSt6vectorIhSaIhEERKSB_IiSaIiEE",
+      loaded.functions.encode);
+  loaded.why = library.why();
   return loaded;
 }
 

@@ -1,12 +1,10 @@
 #include "avfilter.h"
 
-#include <dlfcn.h>
-
 extern "C" {
 #include <libavutil/macros.h>
 }
 
-#include <type_traits>
+#include "base/loaded_library.h"
 
 namespace knotreel::video {
 namespace {
@@ -20,29 +18,21 @@ struct LoadedFilters {
 
 LoadedFilters load_filters() {
   LoadedFilters loaded;
-  void* library = ::dlopen(kLibrary, RTLD_NOW | RTLD_LOCAL);
-  if (library == nullptr) {
-    const char* error = ::dlerror();
-    loaded.why = error == nullptr ? std::string("cannot load ") + kLibrary : error;
-    return loaded;
-  }
-  const auto find = [&](const char* name, auto& function) {
-    function = reinterpret_cast<std::remove_reference_t<decltype(function)>>(::dlsym(library, name));
-    if (function == nullptr) loaded.why = std::string("no ") + name + " in " + kLibrary;
-  };
+  LoadedLibrary library(kLibrary);
   Avfilter& f = loaded.functions;
-  find("avfilter_graph_alloc", f.graph_alloc);
-  find("avfilter_graph_free", f.graph_free);
-  find("avfilter_graph_create_filter", f.graph_create_filter);
-  find("avfilter_graph_parse_ptr", f.graph_parse);
-  find("avfilter_graph_config", f.graph_config);
-  find("avfilter_get_by_name", f.get_by_name);
-  find("avfilter_inout_alloc", f.inout_alloc);
-  find("avfilter_inout_free", f.inout_free);
-  find("av_buffersrc_add_frame", f.add_frame);
-  find("av_buffersink_get_frame", f.get_frame);
-  find("av_buffersink_get_time_base", f.time_base);
-  find("av_buffersink_get_frame_rate", f.frame_rate);
+  library.find("avfilter_graph_alloc", f.graph_alloc);
+  library.find("avfilter_graph_free", f.graph_free);
+  library.find("avfilter_graph_create_filter", f.graph_create_filter);
+  library.find("avfilter_graph_parse_ptr", f.graph_parse);
+  library.find("avfilter_graph_config", f.graph_config);
+  library.find("avfilter_get_by_name", f.get_by_name);
+  library.find("avfilter_inout_alloc", f.inout_alloc);
+  library.find("avfilter_inout_free", f.inout_free);
+  library.find("av_buffersrc_add_frame", f.add_frame);
+  library.find("av_buffersink_get_frame", f.get_frame);
+  library.find("av_buffersink_get_time_base", f.time_base);
+  library.find("av_buffersink_get_frame_rate", f.frame_rate);
+  loaded.why = library.why();
   return loaded;
 }
 

@@ -47,7 +47,7 @@ FilterGraph::FilterGraph(const std::string& text, const AVFrame& first, AVRation
       height_(first.height),
       format_(first.format),
       graph_(allocated(library_->graph_alloc()), Closer{library_}) {
-  // As many threads as there are stages have enough to do.
+  // Decoding is one of several stages that run at once.
   graph_->nb_threads = 1;
   make_ends(first, time_base, rate);
   parse();

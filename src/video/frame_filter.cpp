@@ -18,7 +18,7 @@ std::string deinterlacer(Deinterlace mode) {
     case Deinterlace::kAll:
       return "bwdif=mode=send_frame:deint=all";
     case Deinterlace::kFields:
-      return "bwdif=mode=send_field:deint=interlaced";
+      return "bwdif=mode=send_field:deint=all";
   }
   return "";
 }

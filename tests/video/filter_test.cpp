@@ -116,6 +116,16 @@ TEST(Deinterlace, FieldsAreFramesOfTwiceTheRate) {
   }
 }
 
+TEST(Deinterlace, FieldsAreOfAllFramesSoTheRateHolds) {
+  const TempDir dir;
+  write_lines(dir / "a.y4m", 'p', 5, moving_bar);
+  const WholeClip clip = read_clip(dir / "a.y4m", deinterlaced(Deinterlace::kFields));
+  EXPECT_EQ(clip.info.frame_rate, (Rational{50, 1}));
+  ASSERT_EQ(clip.frames.size(), 10U);
+  const std::vector<double> times = seconds(clip);
+  for (std::size_t i = 0; i < 10; ++i) EXPECT_DOUBLE_EQ(times[i], double(i) / 50);
+}
+
 TEST(Deinterlace, WhatRestsKeepsAllLines) {
   const TempDir dir;
   write_lines(dir / "a.y4m", 't', 4, [](int x, int) { return (x * 37) % 200 + 20; });

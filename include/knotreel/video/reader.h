@@ -40,7 +40,7 @@ enum class Deinterlace : std::uint8_t {
   kNone,    ///< they stay as they are
   kMarked,  ///< of those that the video says are interlaced, the first moment is shown
   kAll,     ///< likewise, of all frames, whatever the video says
-  kFields,  ///< of those that the video says are interlaced, both moments are shown: twice as many frames
+  kFields,  ///< both moments of all frames are shown: twice as many, at twice the rate
 };
 
 struct ReadOptions {
