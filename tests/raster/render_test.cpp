@@ -20,12 +20,12 @@ using knotreel::testing::MeshCase;
 
 constexpr std::uint64_t kRenderSeed = 20260404;
 
-/// Meshes small enough for the reference, with features of every kind.
+/// Meshes small enough for the reference, which is slow, with features of every kind.
 std::vector<MeshCase> small_cases() {
   std::vector<MeshCase> cases = knotreel::testing::corpus_cases();
   std::erase_if(
       cases, [](const MeshCase& c) { return c.name.ends_with("-mirrored") || c.name.ends_with("-turned"); });
-  return cases;
+  return knotreel::testing::fewer_if_checked(std::move(cases));
 }
 
 /// How far control points may be displaced at random, in pixels: not at all with knots a hundredth of a pixel
@@ -47,14 +47,7 @@ RenderOptions at_scale(const FrameModel& model, double scale) {
 }
 
 TEST(Render, PixelsOffTheFeaturesEqualTheReferenceAndCoverageIsRight) {
-#ifdef KNOTREEL_CHECKED
-  constexpr std::size_t kStep = 3;  // the reference is slow, and five times as slow with sanitizers
-#else
-  constexpr std::size_t kStep = 1;
-#endif
-  const std::vector<MeshCase> cases = small_cases();
-  for (std::size_t number = 0; number < cases.size(); number += kStep) {
-    const MeshCase& c = cases[number];
+  for (const MeshCase& c : small_cases()) {
     SCOPED_TRACE(c.name);
     for (const int degree : {1, 2, 3}) {
       FrameModel model = knotreel::testing::blank_model(c.mesh, degree, 3);
@@ -90,7 +83,8 @@ TEST(Render, PixelsOffTheFeaturesEqualTheReferenceAndCoverageIsRight) {
 /// whatever the displacement: an exact test of the inversion, everywhere, features included.
 TEST(Render, ColourEqualToPositionComesOutAsPosition) {
   std::vector<MeshCase> cases = small_cases();
-  for (MeshCase& c : knotreel::testing::random_cases(kRenderSeed, 10)) cases.push_back(std::move(c));
+  for (MeshCase& c : knotreel::testing::fewer_if_checked(knotreel::testing::random_cases(kRenderSeed, 10)))
+    cases.push_back(std::move(c));
   for (const MeshCase& c : cases) {
     SCOPED_TRACE(c.name);
     for (const int degree : {1, 2, 3}) {

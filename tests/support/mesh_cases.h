@@ -43,6 +43,9 @@ std::vector<MeshCase> corpus_cases();
 /// Random meshes of 5 to 60 free knots with up to 8 feature segments of all kinds. Deterministic.
 std::vector<MeshCase> random_cases(std::uint64_t seed, int count);
 
+/// Every third of many cases in builds with sanitizers, which are five times slower; all of them in others.
+std::vector<MeshCase> fewer_if_checked(std::vector<MeshCase> cases);
+
 /// Whether three knots lie on a straight line (to 1e-9 of its length) that is no feature segment and no side
 /// of the domain: the surface is then less smooth along that line, as for any spline with collinear knots.
 bool has_accidental_lines(const mesh::KnotMesh& mesh);
