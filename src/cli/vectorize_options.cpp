@@ -60,7 +60,7 @@ void add_effort(CLI::App& command, VectorizeOptions& options, const std::string&
       .add_option("--max-control-points", options.max_control_points,
                   "Upper bound: a number, or a share of the pixels above 0%, at most 100%\n"
                   "(default " +
-                      default_bound + ", but for small pictures 256)")
+                      default_bound + ", but at least 256)")
       ->type_name("N|P%");
   add_number(command, "--mec", options.mec, "L", {0, 442},
              "Good enough: mean colour error per pixel, in levels of 0..255\n", text_of(defaults.mec));

@@ -8,6 +8,7 @@ namespace knotreel::vectorize {
 
 namespace {
 
+constexpr std::size_t kMostOfSmall = 3'000;
 constexpr std::size_t kMostOfDrawings = 200'000;
 
 std::size_t share_of(std::uint64_t pixels, double share) {
@@ -17,9 +18,11 @@ std::size_t share_of(std::uint64_t pixels, double share) {
 }  // namespace
 
 std::size_t default_control_points(const image::Image& picture) {
-  const std::size_t of_photograph = share_of(picture.pixel_count(), 0.0275);
-  if (of_photograph >= kMostOfDrawings || !features::is_drawing(picture)) return of_photograph;
-  return std::min(kMostOfDrawings, share_of(picture.pixel_count(), 0.1));
+  const std::uint64_t pixels = picture.pixel_count();
+  const std::size_t of_small = std::min(kMostOfSmall, share_of(pixels, 0.2));
+  const std::size_t of_any = std::max(of_small, share_of(pixels, 0.0275));
+  if (of_any >= kMostOfDrawings || !features::is_drawing(picture)) return of_any;
+  return std::max(of_any, std::min(kMostOfDrawings, share_of(pixels, 0.1)));
 }
 
 std::size_t default_video_control_points(std::uint64_t pixels) {

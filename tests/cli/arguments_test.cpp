@@ -46,8 +46,9 @@ TEST(Cli, HelpTellsTheDefaultOfTheCommand) {
   EXPECT_NE(help("transcode").find("(default 2%, "), std::string::npos);
   EXPECT_EQ(help("transcode").find("2.75%"), std::string::npos);
   for (const char* command : {"vectorize", "batch"}) {
-    EXPECT_NE(help(command).find("(default 2.75%, of drawings 10%, of videos 2%, "), std::string::npos)
-        << command;
+    const std::string text = help(command);
+    EXPECT_NE(text.find("(default 2.75%, of small pictures 20% up to 3000,"), std::string::npos) << command;
+    EXPECT_NE(text.find("of drawings 10%, of videos 2%, "), std::string::npos) << command;
   }
 }
 

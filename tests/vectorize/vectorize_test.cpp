@@ -364,19 +364,31 @@ TEST(Vectorize, LineArtKeepsAllItsLinesIfTheyFit) {
   EXPECT_GT(psnr(picture, some.model), psnr(picture, all.model) - 1);
 }
 
+image::Image noise_picture(int width, int height) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<float> noise(0, 255);
+  image::Image picture = image::make_image(width, height, 1);
+  for (float& sample : picture.samples) sample = noise(random);
+  return picture;
+}
+
 TEST(Vectorize, DrawingsMayHaveMoreControlPoints) {
   const image::Image drawing = draw(300, 200, 3, [](double x, double y) {
     return std::hypot(x - 110, y - 86) < 60 ? Colour{0, 0, 0, 0} : Colour{255, 255, 255, 0};
   });
   EXPECT_EQ(default_control_points(drawing), 6000U);
-  EXPECT_EQ(default_control_points(image::make_image(20, 10, 3)), 256U);
   EXPECT_EQ(default_control_points(image::make_image(2000, 1500, 1)), 200000U);
   EXPECT_EQ(default_control_points(image::make_image(4000, 2000, 1)), 220000U);
-  std::mt19937 random(3);
-  std::uniform_real_distribution<float> noise(0, 255);
-  image::Image film = image::make_image(300, 200, 1);
-  for (float& sample : film.samples) sample = noise(random);
-  EXPECT_EQ(default_control_points(film), 1650U);
+  EXPECT_EQ(default_control_points(noise_picture(300, 200)), 3000U);
+}
+
+TEST(Vectorize, SmallPicturesMayHaveMoreControlPoints) {
+  EXPECT_EQ(default_control_points(noise_picture(400, 300)), 3300U);
+  EXPECT_EQ(default_control_points(noise_picture(300, 300)), 3000U);
+  EXPECT_EQ(default_control_points(noise_picture(100, 60)), 1200U);
+  EXPECT_EQ(default_control_points(noise_picture(20, 10)), 256U);
+  // Drawings too, as a picture of one colour is.
+  EXPECT_EQ(default_control_points(image::make_image(100, 60, 3)), 1200U);
 }
 
 TEST(Vectorize, AllDegrees) {

@@ -77,8 +77,9 @@ struct Options {
   double displacement_step = document::EncodeOptions{}.displacement_step;  ///< pixels
 };
 
-/// 2.75 % of the pixels, but at least 256: for photographs about 0.75 bytes per pixel by
-/// raw_accounting_bytes(). Of drawings (features::is_drawing()) 10 %, up to 200,000: most need far fewer, and
+/// 2.75 % of the pixels: for photographs about 0.75 bytes per pixel by raw_accounting_bytes(). Of icons and
+/// other small pictures 20 %, up to 3000, but at least 256: each of their pixels tells more
+/// (docs/decisions/0037). Of drawings (features::is_drawing()) 10 %, up to 200,000: most need far fewer, and
 /// where there is small text nothing else keeps it legible (docs/decisions/0036).
 std::size_t default_control_points(const image::Image& picture);
 
