@@ -208,8 +208,7 @@ void add_vectorize_command(CLI::App& program) {
   command
       ->add_option("-o,--output", arguments->output, "Vector document to write (.tcb); '-': standard output")
       ->type_name("FILE");
-  add_vectorize_options(*command, arguments->options,
-                        "2.75%, of small pictures 20% up to 3000,\nof drawings 10%, of videos 2%");
+  add_vectorize_options(*command, arguments->options, kBoundOfPicturesAndVideos);
   command
       ->add_option("--stats", arguments->stats,
                    "Write options, counts, quality and time of every round as JSON;\n'-': standard output")

@@ -34,6 +34,10 @@ struct VectorizeOptions {
   bool no_smooth_corners = false;
 };
 
+/// What --max-control-points is if not given, in commands that take pictures and videos.
+inline constexpr const char* kBoundOfPicturesAndVideos =
+    "2.75%, of small pictures 20% up to 3000,\nof drawings 10%, of videos 2%";
+
 /// Adds all of them to a command; `options` must live until it has been parsed.
 /// @param default_bound  what --max-control-points is if not given, for the help.
 void add_vectorize_options(CLI::App& command, VectorizeOptions& options, const std::string& default_bound);

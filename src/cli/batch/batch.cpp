@@ -150,8 +150,7 @@ void add_batch_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand("batch", "Turn many pictures and videos into vector documents");
   const auto arguments = std::make_shared<BatchArguments>();
   add_places(*command, *arguments);
-  add_vectorize_options(*command, arguments->options,
-                        "2.75%, of small pictures 20% up to 3000,\nof drawings 10%, of videos 2%");
+  add_vectorize_options(*command, arguments->options, kBoundOfPicturesAndVideos);
   add_effort(*command, *arguments);
   add_clips(*command, *arguments);
   command->footer(kBatchFooter);
