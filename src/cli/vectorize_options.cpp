@@ -228,7 +228,8 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
           {"geometry",
            {{"feature_weight", o.geometry.feature_weight},
             {"ridge", o.geometry.ridge},
-            {"least", o.geometry.least}}}};
+            {"least", o.geometry.least}}},
+          {"mixed_weight", o.mixed_weight}};
 }
 
 }  // namespace knotreel::cli

@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "fit/colour_steps.h"
+#include "fit/mixed_equations.h"
 #include "fit/normal_equations.h"
 #include "fit/reduced_system.h"
 #include "knotreel/base/error.h"
@@ -228,6 +229,7 @@ ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
           if (fixed.empty()) p = prolongation(space, options.smooth_corners);
           if (!sought.all()) p = of_sought(p, sought);
         });
+    if (pixels.mixed) add_mixed_pixels(values.basis(), *pixels.mixed, sought, normal);
     solve(space, image, normal, p, sought, options, fit.control);
   }
   if (options.find_residual) {

@@ -14,6 +14,7 @@
 #include "raster/frame_size.h"
 #include "raster/part.h"
 #include "raster/reduce.h"
+#include "raster/sample_pattern.h"
 #include "raster/soften.h"
 #include "raster/surface.h"
 #include "raster/tile.h"
@@ -22,7 +23,7 @@ namespace knotreel::raster {
 
 namespace {
 
-constexpr int kSamples = 64;
+constexpr std::size_t kSamples = 64;
 // Of the tiles of pictures of the size of the model.
 constexpr int kPlacedSide = spline::PixelValues::kSide;
 
@@ -34,18 +35,6 @@ auto first_from(std::span<const CrossedPixel> pixels, int x, int y) {
   return std::partition_point(pixels.begin(), pixels.end(), [&](const CrossedPixel& pixel) {
     return pixel.y < y || (pixel.y == y && pixel.x < x);
   });
-}
-
-/// 64 points of the unit square, one in each 64th of both axes (Hammersley): coverage of an edge of any
-/// direction is right to about 1/32, of an upright one to 1/128.
-std::array<Vec2, kSamples> sample_pattern() {
-  std::array<Vec2, kSamples> pattern;
-  for (unsigned i = 0; i < kSamples; ++i) {
-    unsigned reversed = 0;
-    for (unsigned b = 0; b < 6; ++b) reversed |= ((i >> b) & 1u) << (5 - b);
-    pattern[i] = {(i + 0.5) / kSamples, (reversed + 0.5) / kSamples};
-  }
-  return pattern;
 }
 
 }  // namespace
@@ -195,7 +184,7 @@ void Renderer::State::draw_split(Tile& tile, std::span<const CrossedPixel> pixel
 
 /// Means over pixels of a tile that features cross.
 void Renderer::State::draw_crossed(Tile& tile, std::span<const CrossedPixel> pixels, const Part& part) const {
-  static const std::array<Vec2, kSamples> pattern = sample_pattern();
+  static const std::array<Vec2, kSamples> pattern = sample_pattern<kSamples>();
   alignas(64) std::array<double, kBatch> x;
   alignas(64) std::array<double, kBatch> y;
   alignas(64) std::array<double, 4 * kBatch> colours;
@@ -206,7 +195,7 @@ void Renderer::State::draw_crossed(Tile& tile, std::span<const CrossedPixel> pix
       x[i] = (pixel.x + pattern[i].x) * fine_width;
       y[i] = (pixel.y + pattern[i].y) * fine_height;
     }
-    tile.colours(x.data(), y.data(), kSamples, colours.data());
+    tile.colours(x.data(), y.data(), static_cast<int>(kSamples), colours.data());
     ColourMean mean(channels);
     for (std::size_t i = 0; i < kSamples; ++i) mean.add(colours.data() + i, kBatch);
     mean.store(part.at(pixel.x, pixel.y));

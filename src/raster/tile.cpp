@@ -245,6 +245,17 @@ void Tile::colours(const double* x, const double* y, int n, double* out) {
   if (!fits) assemble(box);
 }
 
+void Tile::places(const double* x, const double* y, int n, Vec2* out) {
+  const Box box = box_;
+  const bool fits = invert(x, y, n, kSmallStepAtKink);
+  if (!fits) {
+    assemble(reach_);
+    invert(x, y, n, kSmallStepAtKink);
+  }
+  for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) out[i] = {ux_[i], uy_[i]};
+  if (!fits) assemble(box);
+}
+
 Vec2 solve_point(const Surface& surface, Vec2 x) {
   const Vec2 limit{surface.width() - kInset, surface.height() - kInset};
   const auto clamped = [&](Vec2 u) {

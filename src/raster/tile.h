@@ -28,6 +28,9 @@ class Tile {
   /// Colours at n <= kBatch image points in the box: out[c * kBatch + i].
   void colours(const double* x, const double* y, int n, double* out);
 
+  /// The parameters of n <= kBatch image points in the box.
+  void places(const double* x, const double* y, int n, Vec2* out);
+
  private:
   struct Box {
     Vec2 low;

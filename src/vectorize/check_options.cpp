@@ -26,6 +26,7 @@ void check_options(const Options& options) {
     refuse("the rounds and steps of optimised knots cannot be negative");
   if (!(options.colour.ridge > 0) || !(options.geometry.ridge > 0))
     refuse("the ridge of a fit must be above zero");
+  if (!(options.mixed_weight >= 0)) refuse("the weight of mixed pixels cannot be negative");
   if (!(options.colour.step >= 0)) refuse("the step of colours cannot be negative");
   if (options.knot_bits < document::kMinKnotBits || options.knot_bits > document::kMaxKnotBits)
     refuse("the knot bits of a document are 0 to 14");

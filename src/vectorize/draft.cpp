@@ -20,10 +20,12 @@ document::FrameModel Draft::model(int channels) const {
 }
 
 void fit_all_pixels(const spline::Basis& basis, const Samples& samples, const fit::ColourFitOptions& options,
-                    Draft& draft) {
+                    Draft& draft, const fit::MixedPixels* mixed) {
+  fit::Pixels pixels = samples.all();
+  pixels.mixed = mixed;
   fit::ColourFitOptions from_last = options;
   from_last.start = draft.surface.fit.control;
-  draft.surface.fit = fit::fit_colours(basis, samples.all(), from_last);
+  draft.surface.fit = fit::fit_colours(basis, pixels, from_last);
   draft.fits_all_pixels = true;
 }
 

@@ -25,8 +25,9 @@ struct Draft {
 };
 
 /// Fits the colours to all pixels, from the ones that the draft has. @param basis of its space.
+/// @param mixed the pixels that features cross, as mixtures; or null.
 void fit_all_pixels(const spline::Basis& basis, const Samples& samples, const fit::ColourFitOptions& options,
-                    Draft& draft);
+                    Draft& draft, const fit::MixedPixels* mixed = nullptr);
 /// Fits the geometry, if there are features. @param values of the draft's functions at the places of the
 /// samples.
 void fit_geometry(const spline::PixelValues& values, const Samples& samples,

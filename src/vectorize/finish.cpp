@@ -9,13 +9,23 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/fit/pixel_places.h"
+#include "knotreel/image/two_colours.h"
 #include "knotreel/raster/edge_softness.h"
+#include "knotreel/raster/mixed_pixels.h"
 
 namespace knotreel::vectorize {
 
 namespace {
 
+// Of the weight of mixed pixels, where edges come in steps: there a pixel tells its own colour, no mixture.
+constexpr double kShareOfSteps = 0.3;
+
 using BasisPointer = std::shared_ptr<const spline::Basis>;
+
+bool is_stepped(const image::Image& picture, int x, int y) {
+  return x > 0 && y > 0 && x + 1 < picture.width && y + 1 < picture.height &&
+         image::has_two_colours(picture, x - 1, y - 1);
+}
 
 /// Goes over to the space as documents have it.
 void store_space(int knot_bits, std::size_t channels, fit::ColourSurface& surface) {
@@ -50,6 +60,22 @@ std::vector<std::uint8_t> finish_geometry(const spline::Basis& basis, const Opti
   return crossed;
 }
 
+/// The pixels that features cross, as they will be drawn.
+fit::MixedPixels mixed_pixels(const BasisPointer& basis, const Draft& draft, const image::Image& picture,
+                              const Options& options) {
+  fit::MixedPixels mixed = raster::mixed_pixels(draft.model(picture.channels), basis);
+  const auto channels = static_cast<std::size_t>(picture.channels);
+  const auto width = static_cast<std::size_t>(picture.width);
+  for (const std::uint32_t pixel : mixed.pixels) {
+    const auto x = static_cast<int>(pixel % width);
+    const auto y = static_cast<int>(pixel / width);
+    mixed.weights.push_back(options.mixed_weight * (is_stepped(picture, x, y) ? kShareOfSteps : 1.0));
+    const float* const colour = &picture.samples[pixel * channels];
+    mixed.colours.insert(mixed.colours.end(), colour, colour + channels);
+  }
+  return mixed;
+}
+
 double fitting_edge_softness(const BasisPointer& basis, const Samples& samples, const Draft& draft) {
   auto surface = std::make_shared<spline::PixelSurface>();
   surface->basis = basis;
@@ -67,7 +93,12 @@ Fitted finish(const Options& options, Samples& samples, RunLog& log, Draft& draf
   auto basis = std::make_shared<const spline::Basis>(draft.surface.space);
   std::vector<std::uint8_t> crossed;
   if (samples.has_features()) crossed = finish_geometry(*basis, options, samples, log, draft);
-  fit_all_pixels(*basis, samples, options.colour, draft);
+  fit::MixedPixels mixed;
+  if (samples.has_features() && options.mixed_weight > 0) {
+    mixed = mixed_pixels(basis, draft, samples.picture(), options);
+    log.lap("mixed");
+  }
+  fit_all_pixels(*basis, samples, options.colour, draft, &mixed);
   log.lap("colours");
   if (samples.has_features()) {
     draft.edge_softness = fitting_edge_softness(basis, samples, draft);

@@ -450,6 +450,26 @@ TEST(Vectorize, ReportsAndShowsEveryStage) {
   EXPECT_EQ(last.raw_bytes, document::raw_accounting_bytes(v.model));
 }
 
+TEST(Vectorize, StrokesOfTwoPixelsAreDrawnAsTheyAre) {
+  // Every pixel of a stroke is crossed by one of its two curves.
+  const image::Image strokes = draw(160, 120, 1, [](double x, double y) {
+    const double line = std::abs(y - 20 - 0.2 * x);
+    const double wave = std::abs(y - 90 - 12 * std::sin(x / 20));
+    const double ring = std::abs(std::hypot(x - 100, y - 62) - 14);
+    return Colour{std::min({line, wave, ring}) < 1 ? 20.0 : 240.0};
+  });
+  Options options;
+  const double with = psnr(strokes, vectorize_picture(strokes, options).model);
+  options.mixed_weight = 0;
+  const double without = psnr(strokes, vectorize_picture(strokes, options).model);
+  EXPECT_GT(with, without + 3);
+}
+
+TEST(Vectorize, FramesOfVideosAreNotFittedToMixedPixels) {
+  EXPECT_GT(Options{}.mixed_weight, 0);
+  EXPECT_EQ(video_options({}).mixed_weight, 0);
+}
+
 TEST(Vectorize, StopsWhenTheObserverThrows) {
   const image::Image picture = still_life(60, 50);
   EXPECT_THROW(vectorize_picture(picture, {},
@@ -498,6 +518,8 @@ TEST(Vectorize, RefusesOptionsOutOfRange) {
   EXPECT_TRUE(refuses([](Options& o) { o.descent_steps = -1; }));
   EXPECT_TRUE(refuses([](Options& o) { o.colour.ridge = 0; }));
   EXPECT_TRUE(refuses([](Options& o) { o.colour.step = -1; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.mixed_weight = -1; }));
+  EXPECT_TRUE(refuses([&](Options& o) { o.mixed_weight = nan; }));
   EXPECT_TRUE(refuses([](Options& o) { o.geometry.ridge = 0; }));
   EXPECT_TRUE(refuses([](Options& o) { o.optimise.rounds = -1; }));
   EXPECT_TRUE(refuses([](Options& o) { o.optimise.steps = -1; }));

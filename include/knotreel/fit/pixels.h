@@ -3,6 +3,7 @@
 #include <span>
 
 #include "knotreel/base/vec2.h"
+#include "knotreel/fit/mixed_pixels.h"
 #include "knotreel/image/image.h"
 
 namespace knotreel::fit {
@@ -13,6 +14,7 @@ struct Pixels {
   const image::Image* image = nullptr;
   std::span<const float> weights = {};  ///< of the pixels, row-major, 0 or more; empty: all 1
   std::span<const Vec2> places = {};    ///< in the parametric domain, row-major; empty: the pixel centres
+  const MixedPixels* mixed = nullptr;   ///< looked at besides; or null: none
 };
 
 }  // namespace knotreel::fit

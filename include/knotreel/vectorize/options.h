@@ -67,6 +67,9 @@ struct Options {
   knots::OptimiseOptions optimise{.rounds = 1, .steps = 4};
   fit::ColourFitOptions colour{.precision = fit::Precision::kSingle};
   fit::GeometryFitOptions geometry{};
+  /// Of pixels that features cross, when the last colours are fitted to what is drawn of them, >= 0; 0: they
+  /// are not (docs/decisions/0038).
+  double mixed_weight = 1;
   double unfold = 0.95;   ///< factor of displacements at folds, as fit::unfold_geometry() takes it
   bool half_rows = true;  ///< rounds and descent look at pairs of rows: about half the time, -0.1 dB
   int descent_steps = 2;  ///< on the true residual; >= 0; 0: none
