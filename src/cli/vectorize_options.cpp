@@ -200,6 +200,7 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
             {"euclidean_magnitude", o.detect.euclidean_magnitude}}},
           {"drawn_blur", o.drawn_blur},
           {"drawn_threshold", o.drawn_threshold},
+          {"drawn_distance", o.drawn_distance},
           {"fair",
            {{"lambda", o.fair.lambda},
             {"iterations", o.fair.iterations},

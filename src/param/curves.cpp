@@ -74,6 +74,7 @@ class CurveBuilder {
     Curve curve;
     curve.chain = static_cast<std::uint32_t>(index);
     curve.closed = chain.closed;
+    curve.stepped = chain.stepped;
     curve.sites.reserve(chain.points.size() + 2);
     for (std::size_t i = 0; i < chain.points.size(); ++i) {
       std::uint32_t node = kNone;

@@ -32,6 +32,7 @@ struct Curve {
   std::uint32_t chain = 0;
   bool closed = false;
   bool dropped = false;
+  bool stepped = false;  ///< as features::Chain
   std::vector<SiteIndex> sites;
 };
 

@@ -27,6 +27,8 @@ void check(const features::FeatureChains& chains, const ParametrizeOptions& o) {
   if (chains.width < 1 || chains.height < 1) refuse("the picture has no pixels");
   const auto positive = [](double v) { return std::isfinite(v) && v > 0; };
   if (!positive(o.polyline_distance)) refuse("the distance of polylines must be positive");
+  if (!std::isfinite(o.stepped_distance) || o.stepped_distance < 0)
+    refuse("the distance of stepped polylines must be zero or positive");
   if (!positive(o.polyline_bulge)) refuse("the bulge of polylines must be positive");
   if (!positive(o.tolerance)) refuse("the tolerance must be positive");
   if (!std::isfinite(o.decay) || o.decay < 0) refuse("the decay must be zero or positive");

@@ -57,7 +57,12 @@ void mark_triangle(Curves& curves, const Curve& curve) {
 class Simplifier {
  public:
   Simplifier(Curves& curves, std::uint32_t index, const ParametrizeOptions& options)
-      : curves_(curves), curve_(curves.curves[index]), index_(index), options_(options) {}
+      : curves_(curves),
+        curve_(curves.curves[index]),
+        index_(index),
+        options_(options),
+        distance_(curve_.stepped ? std::max(options.polyline_distance, options.stepped_distance)
+                                 : options.polyline_distance) {}
 
   void refine(Span span) {
     std::vector<Span> open{span};
@@ -76,7 +81,7 @@ class Simplifier {
 
  private:
   bool is_accepted(Span s) const {
-    if (!chord_.advances || chord_.bulge > options_.polyline_distance) return false;
+    if (!chord_.advances || chord_.bulge > distance_) return false;
     const double allowed = std::max(kHarmlessBulge, options_.polyline_bulge * chord_.length);
     return chord_.bulge <= allowed && !pocket_is_taken(curves_, curve_, index_, s, chord_);
   }
@@ -85,6 +90,7 @@ class Simplifier {
   const Curve& curve_;
   std::uint32_t index_;
   const ParametrizeOptions& options_;
+  double distance_;
   Chord chord_;
 };
 

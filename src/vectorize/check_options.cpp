@@ -20,6 +20,7 @@ void check_options(const Options& options) {
   if (!(options.unfold > 0 && options.unfold < 1)) refuse("what undoes folds must shrink");
   if (!(options.drawn_blur >= 0)) refuse("the blur of drawn edges cannot be negative");
   if (!(options.drawn_threshold >= 0)) refuse("the threshold of drawn edges cannot be negative");
+  if (!(options.drawn_distance > 0)) refuse("the distance of drawn curves must be above zero");
   if (!(options.segment_knot_spacing > 0)) refuse("knots of feature segments must be some way apart");
   if (options.descent_steps < 0) refuse("the steps of the descent cannot be negative");
   if (options.optimise.rounds < 0 || options.optimise.steps < 0)

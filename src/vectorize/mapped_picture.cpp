@@ -1,5 +1,6 @@
 #include "vectorize/mapped_picture.h"
 
+#include <algorithm>
 #include <utility>
 
 #include "knotreel/base/error.h"
@@ -15,6 +16,9 @@ namespace {
 
 using mesh::EditableMesh;
 
+// Of the control points, for features with finer polylines.
+constexpr double kShareOfFine = 0.6;
+
 /// Without noise, which thresholds are there for, faint edges are edges, too.
 features::DetectOptions detect_options(const image::Image& picture, const Options& options) {
   features::DetectOptions detect = options.detect;
@@ -29,11 +33,24 @@ features::DetectOptions detect_options(const image::Image& picture, const Option
   return detect;
 }
 
+param::ParametrizeOptions parametrize_options(const image::Image& picture, const Options& options) {
+  param::ParametrizeOptions result = options.parametrize;
+  if (options.drawn_distance >= result.polyline_distance || !features::is_drawing(picture)) return result;
+  result.stepped_distance = std::max(result.stepped_distance, result.polyline_distance);
+  result.polyline_distance = options.drawn_distance;
+  return result;
+}
+
 class Mapping {
  public:
   Mapping(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
           MappedPicture& mapped)
-      : picture_(picture), options_(options), max_functions_(max_functions), log_(log), mapped_(mapped) {}
+      : picture_(picture),
+        options_(options),
+        parametrize_(parametrize_options(picture, options)),
+        max_functions_(max_functions),
+        log_(log),
+        mapped_(mapped) {}
 
   void find() {
     if (!options_.features) return;
@@ -54,7 +71,7 @@ class Mapping {
       if (mapped_.has_features()) {
         const double functions = functions_of_polylines();
         log_.lap("parametrize");
-        if (limit_features(functions)) continue;
+        if (be_coarser(functions) || limit_features(functions)) continue;
         correct_colours();
       }
       parametrize();
@@ -86,13 +103,23 @@ class Mapping {
   /// About; 0 if the polylines make no sound mesh. Nearly what it is in the end, and known without the map.
   double functions_of_polylines() const {
     try {
-      const mesh::KnotMesh mesh = initial_mesh(param::first_polylines(mapped_.faired, options_.parametrize),
-                                               options_.segment_knot_spacing);
+      const mesh::KnotMesh mesh =
+          initial_mesh(param::first_polylines(mapped_.faired, parametrize_), options_.segment_knot_spacing);
       return expected_functions(EditableMesh(mesh), options_.degree);
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::kInvalidArgument) throw;
       return 0;
     }
+  }
+
+  /// Goes back from the finer polylines of drawings if features would then use up too much.
+  bool be_coarser(double functions) {
+    const double allowed =
+        std::min(options_.feature_share, kShareOfFine) * static_cast<double>(max_functions_);
+    if (parametrize_.polyline_distance >= options_.parametrize.polyline_distance || functions <= allowed)
+      return false;
+    parametrize_ = options_.parametrize;
+    return true;
   }
 
   /// Drops chains if they cost too many control points. @return whether it did.
@@ -117,8 +144,7 @@ class Mapping {
     mapped_.image_mesh = features::make_image_mesh(mapped_.faired);
     log_.progress.image_mesh = &mapped_.image_mesh;
     param::ParametrizeReport report;
-    mapped_.parametrization =
-        param::parametrize(mapped_.faired, mapped_.image_mesh, options_.parametrize, &report);
+    mapped_.parametrization = param::parametrize(mapped_.faired, mapped_.image_mesh, parametrize_, &report);
     log_.report.folds_left = report.folds_left;
     log_.report.polyline_vertices = mapped_.parametrization.vertices.size();
     log_.progress.parametrization = &mapped_.parametrization;
@@ -141,6 +167,7 @@ class Mapping {
 
   const image::Image& picture_;
   const Options& options_;
+  param::ParametrizeOptions parametrize_;
   std::size_t max_functions_;
   RunLog& log_;
   MappedPicture& mapped_;

@@ -318,6 +318,7 @@ TEST(Parametrize, MisuseIsRefused) {
   refused([](FeatureChains& c, auto&) { c.chains[0].last_node = 9; });
   refused([](FeatureChains& c, auto&) { c.chains.push_back(c.chains[0]); });
   refused([](auto&, ParametrizeOptions& o) { o.polyline_distance = 0; });
+  refused([](auto&, ParametrizeOptions& o) { o.stepped_distance = -1; });
   refused([](auto&, ParametrizeOptions& o) { o.decay = -1; });
 }
 

@@ -465,6 +465,31 @@ TEST(Vectorize, StrokesOfTwoPixelsAreDrawnAsTheyAre) {
   EXPECT_GT(with, without + 3);
 }
 
+TEST(Vectorize, DrawingsHaveFinerPolylinesIfTheyFit) {
+  const auto discs = [](double radius, bool soft) {
+    return draw(200, 150, 3, [=](double x, double y) {
+      if (!soft) x = std::floor(x) + 0.5, y = std::floor(y) + 0.5;
+      const double u = std::fmod(x, 50) - 25;
+      const double v = std::fmod(y, 50) - 25;
+      return std::hypot(u, v) < radius ? Colour{30, 60, 90} : Colour{230, 220, 200};
+    });
+  };
+  const auto vertices = [](const image::Image& picture, double distance, std::size_t bound) {
+    Options options;
+    options.drawn_distance = distance;
+    options.max_control_points = bound;
+    return vectorize_picture(picture, options).report.polyline_vertices;
+  };
+  const image::Image soft = discs(18.3, true);
+  EXPECT_GT(vertices(soft, 0.35, 3000), vertices(soft, 1, 3000));
+  EXPECT_EQ(vertices(soft, 0.35, 500), vertices(soft, 1, 500)) << "where they do not fit";
+  const image::Image hard = discs(18.3, false);
+  EXPECT_EQ(vertices(hard, 0.35, 3000), vertices(hard, 1, 3000)) << "which are known to half a pixel only";
+  Options options;
+  options.drawn_distance = 0.7;
+  EXPECT_GE(video_options(options).drawn_distance, video_options(options).parametrize.polyline_distance);
+}
+
 TEST(Vectorize, FramesOfVideosAreNotFittedToMixedPixels) {
   EXPECT_GT(Options{}.mixed_weight, 0);
   EXPECT_EQ(video_options({}).mixed_weight, 0);
@@ -518,6 +543,8 @@ TEST(Vectorize, RefusesOptionsOutOfRange) {
   EXPECT_TRUE(refuses([](Options& o) { o.descent_steps = -1; }));
   EXPECT_TRUE(refuses([](Options& o) { o.colour.ridge = 0; }));
   EXPECT_TRUE(refuses([](Options& o) { o.colour.step = -1; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.drawn_distance = 0; }));
+  EXPECT_TRUE(refuses([&](Options& o) { o.drawn_distance = nan; }));
   EXPECT_TRUE(refuses([](Options& o) { o.mixed_weight = -1; }));
   EXPECT_TRUE(refuses([&](Options& o) { o.mixed_weight = nan; }));
   EXPECT_TRUE(refuses([](Options& o) { o.geometry.ridge = 0; }));

@@ -58,6 +58,9 @@ struct Parametrization {
 struct ParametrizeOptions {
   /// eps_d, in pixels, > 0: curves stay this close to their polylines (paper sec. 5.4).
   double polyline_distance = 3;
+  /// In place of it, if that is smaller, for chains that are stepped, >= 0: what is known to half a pixel
+  /// only is not followed more closely.
+  double stepped_distance = 0;
   /// Pieces longer than a few pixels bulge at most by this share of their length, > 0: tight bends and small
   /// circles get the vertices that keep the map free of folds. Bulges under one pixel are always allowed.
   double polyline_bulge = 0.15;

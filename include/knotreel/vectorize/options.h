@@ -61,6 +61,9 @@ struct Options {
   features::CorrectionOptions correction{.strength = 0.2};
   /// A third of the paper's three pixels: the geometry part has less to bend, and folds less often.
   param::ParametrizeOptions parametrize{.polyline_distance = 1};
+  /// For drawings (features::is_drawing()), in place of parametrize.polyline_distance, if that is larger, as
+  /// long as features then use up no more than their share: corners between vertices are lost. > 0.
+  double drawn_distance = 0.7;
   /// One to three simple knots per feature segment, about this far apart, > 0.
   double segment_knot_spacing = 12;
 
