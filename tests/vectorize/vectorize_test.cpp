@@ -484,7 +484,7 @@ TEST(Vectorize, DrawingsHaveFinerPolylinesIfTheyFit) {
   EXPECT_GT(vertices(soft, 0.35, 3000), vertices(soft, 1, 3000));
   EXPECT_EQ(vertices(soft, 0.35, 500), vertices(soft, 1, 500)) << "where they do not fit";
   const image::Image hard = discs(18.3, false);
-  EXPECT_EQ(vertices(hard, 0.35, 3000), vertices(hard, 1, 3000)) << "which are known to half a pixel only";
+  EXPECT_EQ(vertices(hard, 0.15, 9000), vertices(hard, 1, 9000)) << "which are known to half a pixel only";
   Options options;
   options.drawn_distance = 0.7;
   EXPECT_GE(video_options(options).drawn_distance, video_options(options).parametrize.polyline_distance);
