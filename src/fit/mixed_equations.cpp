@@ -12,6 +12,7 @@ using Matrix = Eigen::SparseMatrix<double>;
 
 void add_mixed_pixels(const spline::Basis& basis, const MixedPixels& mixed, const Sought& sought,
                       NormalEquations& normal) {
+  if (mixed.pixels.empty()) return;
   const spline::ScatteredValues values = basis.evaluate(mixed.places);
   const auto count = static_cast<Eigen::Index>(mixed.pixels.size());
   const Eigen::Index channels = normal.right.cols();

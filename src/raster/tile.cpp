@@ -228,13 +228,16 @@ bool Tile::invert(const double* x, const double* y, int n, double small) {
   return true;
 }
 
+bool Tile::invert_or_reach(const double* x, const double* y, int n, double small) {
+  if (invert(x, y, n, small)) return true;
+  assemble(reach_);
+  invert(x, y, n, kSmallStepAtKink);
+  return false;
+}
+
 void Tile::colours(const double* x, const double* y, int n, double* out) {
   const Box box = box_;
-  const bool fits = invert(x, y, n, has_kink_ ? kSmallStepAtKink : kSmallStep);
-  if (!fits) {
-    assemble(reach_);
-    invert(x, y, n, kSmallStepAtKink);
-  }
+  const bool fits = invert_or_reach(x, y, n, has_kink_ ? kSmallStepAtKink : kSmallStep);
   for (std::size_t c = kGeometryChannels; c < surface_.channels(); ++c) {
     set_colour(smooth_[c], centre_, ux_.data(), uy_.data(), n, out + (c - kGeometryChannels) * kBatch);
   }
@@ -247,11 +250,7 @@ void Tile::colours(const double* x, const double* y, int n, double* out) {
 
 void Tile::places(const double* x, const double* y, int n, Vec2* out) {
   const Box box = box_;
-  const bool fits = invert(x, y, n, kSmallStepAtKink);
-  if (!fits) {
-    assemble(reach_);
-    invert(x, y, n, kSmallStepAtKink);
-  }
+  const bool fits = invert_or_reach(x, y, n, kSmallStepAtKink);
   for (std::size_t i = 0; i < static_cast<std::size_t>(n); ++i) out[i] = {ux_[i], uy_[i]};
   if (!fits) assemble(box);
 }

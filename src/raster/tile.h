@@ -57,6 +57,8 @@ class Tile {
   void solve_nodes(Vec2 low, Vec2 high);
   void start_points(const double* x, const double* y, int n);
   bool invert(const double* x, const double* y, int n, double small);
+  /// The same, and if box_ is too small with all terms of the tile. @return whether it was not.
+  bool invert_or_reach(const double* x, const double* y, int n, double small);
 
   const Surface& surface_;
   Box reach_{};  ///< contains every parameter whose image is in the box, by the convex hull property
