@@ -96,6 +96,8 @@ void add_features(CLI::App& command, VectorizeOptions& options) {
              by_preset([](const vectorize::Options& o) { return text_of(o.detect.max_blur); }));
   command.add_flag("--no-features", options.no_features, "Look for no features: smooth everywhere");
   command.add_flag("--no-fairing", options.no_fairing, "Leave the curves of features as they were found");
+  command.add_flag("--no-corner-detection", options.no_corner_detection,
+                   "Leave the corners of features as round as they were found");
   command.add_flag("--no-colour-correction", options.no_colour_correction,
                    "Keep the mixed colours of the pixels beside features");
 }
@@ -163,6 +165,7 @@ vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_
 
   options.features = !given.no_features;
   options.fairing = !given.no_fairing;
+  if (given.no_corner_detection) options.corner_detection = false;
   options.colour_correction = !given.no_colour_correction;
   options.picture_links = !given.no_picture_links;
   options.colour.smooth_corners = !given.no_smooth_corners;
@@ -182,11 +185,14 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
           {"max_control_points", o.max_control_points},
           {"first_share", o.first_share},
           {"feature_share", o.feature_share},
+          {"weak_share", o.weak_share},
+          {"drawn_weak_share", o.drawn_weak_share},
           {"max_turning", o.max_turning},
           {"descent_steps", o.descent_steps},
           {"seed", o.seed},
           {"features", o.features},
           {"fairing", o.fairing},
+          {"corner_detection", o.corner_detection},
           {"colour_correction", o.colour_correction},
           {"picture_links", o.picture_links},
           {"smooth_corners", o.colour.smooth_corners},
@@ -206,6 +212,7 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
             {"iterations", o.fair.iterations},
             {"keep_size", o.fair.keep_size},
             {"max_shift", o.fair.max_shift}}},
+          {"corners", {{"least_turn", o.corners.least_turn}, {"most_error", o.corners.most_error}}},
           {"correction",
            {{"one_ring", o.correction.one_ring},
             {"two_ring", o.correction.two_ring},

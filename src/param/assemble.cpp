@@ -44,7 +44,7 @@ class PolylineAssembler {
         Site& site = curves_.sites[curve.sites[index]];
         const double along = k == 0 ? 0 : chord_.along[k];
         site.parameter = k == 0 ? site.position : chord_.a + along * chord_.direction;
-        samples[index] = {number, i, along / chord_.length, site.position, site.pixel};
+        samples[index] = {number, i, along / chord_.length, site.position + site.beyond, site.pixel};
       }
     }
     if (!curve.closed) {

@@ -107,7 +107,8 @@ class CurveBuilder {
     if (node != kNone) node_sites_[node] = at;
     Site site;
     site.pixel = p.y * chains_.width + p.x;
-    site.is_vertex = node != kNone;
+    site.is_vertex = node != kNone || p.corner;
+    site.beyond = p.beyond;
     site.centre = {p.x + 0.5, p.y + 0.5};
     // Further than one pixel per axis the chain's promise is broken; folds would be the least of it.
     const auto place = [](double centre, double curve, int size) {

@@ -23,6 +23,7 @@ struct Site {
   Vec2 centre;                  ///< of the pixel, or its foot on the side
   Vec2 faired;                  ///< where the detector puts the curve
   Vec2 position;                ///< in the image
+  Vec2 beyond;                  ///< on to the curve, as features::ChainPoint
   Vec2 parameter;               ///< on the polyline
   std::uint32_t curve = kNone;  ///< that has the site inside; kNone for nodes
   std::uint32_t index = 0;      ///< in that curve

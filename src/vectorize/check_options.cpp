@@ -14,6 +14,12 @@ void check_options(const Options& options) {
     refuse("error bounds cannot be negative");
   if (!(options.feature_share >= 0 && options.feature_share <= 1))
     refuse("the share of features must be 0 to 1");
+  const auto is_share = [](double share) { return share >= 0 && share <= 1; };
+  if (!is_share(options.weak_share) || !is_share(options.drawn_weak_share))
+    refuse("the share of weak features must be 0 to 1");
+  if (!(options.corners.most_error > 0)) refuse("the error of a corner must be above zero");
+  if (!(options.corners.least_turn >= 0 && options.corners.least_turn <= 180))
+    refuse("the least turn of a corner must be 0 to 180 degrees");
   if (!(options.max_turning >= 0)) refuse("the turning of features cannot be negative");
   if (!(options.first_share > 0 && options.first_share <= 1))
     refuse("the share of the first round must be above 0, up to 1");

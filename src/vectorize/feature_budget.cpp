@@ -9,9 +9,9 @@ namespace knotreel::vectorize {
 
 namespace {
 
-// Share of the control points that features may use up as long as there are weak ones: those of little
-// worth within three pixels that have more contrast farther away, which are soft edges.
-constexpr double kWeakShare = 0.1;
+// Weak ones are those of little worth within three pixels that have more contrast farther away, which are
+// soft edges. If they have to go, so many as to leave this share of the control points to features.
+constexpr double kLeftToWeak = 0.075;
 constexpr double kWeakWorth = 140;  // levels
 constexpr double kSharpness = 0.93;
 // Of a share, when it is exceeded: estimates by pixels are rough, and another try costs a parametrization.
@@ -122,12 +122,12 @@ void drop_winding(double max_turning, features::FeatureChains& chains) {
   std::erase_if(chains.chains, [&](const features::Chain& c) { return turning(c) > max_turning; });
 }
 
-bool keep_within_budget(const image::Image& picture, double functions, double most, double share,
-                        features::FeatureChains& chains) {
-  if (functions <= kWeakShare * most) return false;
-  if (keep_strongest(picture, kMargin * kWeakShare * most / functions, true, chains)) return false;
-  if (functions <= share * most) return false;
-  return keep_strongest(picture, std::min(kMargin * share, kMostLeft) * most / functions, false, chains);
+bool keep_within_budget(const image::Image& picture, double functions, double most,
+                        const FeatureShares& shares, features::FeatureChains& chains) {
+  if (functions <= shares.weak * most) return false;
+  if (keep_strongest(picture, kLeftToWeak * most / functions, true, chains)) return false;
+  if (functions <= shares.any * most) return false;
+  return keep_strongest(picture, std::min(kMargin * shares.any, kMostLeft) * most / functions, false, chains);
 }
 
 }  // namespace knotreel::vectorize

@@ -21,13 +21,18 @@ double mean_range(const image::Image& picture, const features::Chain& chain, int
 /// Drops feature chains that turn by more radians per pixel, in the mean.
 void drop_winding(double max_turning, features::FeatureChains& chains);
 
+/// Of the control points, for features; 0 to 1.
+struct FeatureShares {
+  double any = 0.6;
+  double weak = 0.1;  ///< above which weak ones go
+};
+
 /// Drops feature chains that cost more control points than features may use up, before any knot is put
 /// between them: those of least contrast for what they cost, weak ones first, which the smooth surface can
 /// stand in for.
 /// @param functions that the chains cost together. @param most control points of the whole model.
-/// @param share     of these for features, 0 to 1.
-/// @return whether that share was not enough, so that strong ones were dropped, too.
-bool keep_within_budget(const image::Image& picture, double functions, double most, double share,
-                        features::FeatureChains& chains);
+/// @return whether the share of any was not enough, so that strong ones were dropped, too.
+bool keep_within_budget(const image::Image& picture, double functions, double most,
+                        const FeatureShares& shares, features::FeatureChains& chains);
 
 }  // namespace knotreel::vectorize

@@ -4,6 +4,7 @@
 #include <utility>
 
 #include "knotreel/base/error.h"
+#include "knotreel/features/corners.h"
 #include "knotreel/features/flat_share.h"
 #include "knotreel/fit/squared_errors.h"
 #include "knotreel/param/parametrized_image.h"
@@ -41,6 +42,11 @@ param::ParametrizeOptions parametrize_options(const image::Image& picture, const
   return result;
 }
 
+double weak_share(const image::Image& picture, const Options& options) {
+  const double drawn = options.drawn_weak_share;
+  return drawn > options.weak_share && features::is_drawing(picture) ? drawn : options.weak_share;
+}
+
 class Mapping {
  public:
   Mapping(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
@@ -48,6 +54,7 @@ class Mapping {
       : picture_(picture),
         options_(options),
         parametrize_(parametrize_options(picture, options)),
+        shares_{options.feature_share, weak_share(picture, options)},
         max_functions_(max_functions),
         log_(log),
         mapped_(mapped) {}
@@ -86,6 +93,8 @@ class Mapping {
     mapped_.faired = mapped_.detected;
     if (!mapped_.has_features()) return;
     if (options_.fairing) features::fair_chains(mapped_.faired, options_.fair);
+    if (options_.corner_detection)
+      log_.report.corners = features::sharpen_corners(picture_, mapped_.faired, options_.corners);
     log_.progress.faired = &mapped_.faired;
     log_.lap("fair");
     log_.show("fairing");
@@ -125,7 +134,7 @@ class Mapping {
   /// Drops chains if they cost too many control points. @return whether it did.
   bool limit_features(double functions) {
     const std::size_t before = mapped_.detected.chains.size();
-    if (keep_within_budget(picture_, functions, static_cast<double>(max_functions_), options_.feature_share,
+    if (keep_within_budget(picture_, functions, static_cast<double>(max_functions_), shares_,
                            mapped_.detected))
       mapped_.over_share = true;
     const std::size_t dropped = before - mapped_.detected.chains.size();
@@ -168,6 +177,7 @@ class Mapping {
   const image::Image& picture_;
   const Options& options_;
   param::ParametrizeOptions parametrize_;
+  FeatureShares shares_;
   std::size_t max_functions_;
   RunLog& log_;
   MappedPicture& mapped_;

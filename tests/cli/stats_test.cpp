@@ -76,9 +76,12 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "seed",
                                  "first_share",
                                  "feature_share",
+                                 "weak_share",
+                                 "drawn_weak_share",
                                  "max_turning",
                                  "features",
                                  "fairing",
+                                 "corner_detection",
                                  "colour_correction",
                                  "picture_links",
                                  "smooth_corners",
@@ -87,6 +90,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "drawn_distance",
                                  "drawn_threshold",
                                  "fair",
+                                 "corners",
                                  "correction",
                                  "parametrize",
                                  "segment_knot_spacing",
@@ -94,7 +98,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "colour",
                                  "geometry"});
   expect_keys(stats["features"],
-              {"chains", "over_budget", "pixels", "polyline_vertices", "folds_left", "dropped"});
+              {"chains", "over_budget", "corners", "pixels", "polyline_vertices", "folds_left", "dropped"});
   for (const json& round : stats["rounds"]) {
     expect_keys(round,
                 {"name", "knots", "control_points", "mec", "meg", "psnr", "raw_bytes", "milliseconds"});

@@ -86,6 +86,7 @@ TEST_F(CliVectorizeOptions, EveryOptionReachesThePipeline) {
       {{"--max-blur", "1.5"}, at("/detect/max_blur"), 1.5},
       {{"--no-features"}, at("/features"), false},
       {{"--no-fairing"}, at("/fairing"), false},
+      {{"--no-corner-detection"}, at("/corner_detection"), false},
       {{"--no-colour-correction"}, at("/colour_correction"), false},
       {{"--no-knot-optimisation"}, at("/optimise/positions"), false},
       {{"--no-knot-optimisation"}, at("/optimise/connectivity"), false},

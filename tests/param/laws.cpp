@@ -85,7 +85,12 @@ void expect_vertices_in_place(const Parametrization& p) {
 /// Samples advance along their polylines, and their pixels are where they say.
 void expect_samples(const features::FeatureChains& chains, const Parametrization& p) {
   std::size_t pixels = 0;
-  for (const features::Chain& c : chains.chains) pixels += c.points.size();
+  std::vector<Vec2> beyond(p.position.size());
+  for (const features::Chain& c : chains.chains) {
+    pixels += c.points.size();
+    for (const features::ChainPoint& q : c.points)
+      beyond[static_cast<std::size_t>(q.y * chains.width + q.x)] = q.beyond;
+  }
   std::size_t seen = 0;
   for (std::size_t i = 0; i < p.curve_samples.size(); ++i) {
     const CurveSample& s = p.curve_samples[i];
@@ -102,7 +107,8 @@ void expect_samples(const features::FeatureChains& chains, const Parametrization
     if (s.pixel != kNoPixel) {
       ++seen;
       EXPECT_LT(norm(p.parameter[static_cast<std::size_t>(s.pixel)] - on_line), 1e-6);
-      EXPECT_EQ(p.position[static_cast<std::size_t>(s.pixel)], s.position);
+      const auto pixel = static_cast<std::size_t>(s.pixel);
+      EXPECT_EQ(p.position[pixel] + beyond[pixel], s.position);
     }
     if (i == 0 || p.curve_samples[i - 1].polyline != s.polyline) continue;
     const CurveSample& before = p.curve_samples[i - 1];

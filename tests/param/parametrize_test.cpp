@@ -102,6 +102,30 @@ TEST(Parametrize, ACircleBecomesAPolygonAndItsDisplacementDiesOff) {
   EXPECT_EQ(moved, 0);
 }
 
+TEST(Parametrize, CornersAreVerticesAndCurvesGoBeyondTheirPixels) {
+  ChainBuilder b(120, 120);
+  ASSERT_TRUE(b.add(arc({60.3, 58.9}, 33), true));
+  for (const std::size_t corners : {1U, 2U, 5U}) {
+    SCOPED_TRACE(corners);
+    FeatureChains chains = b.chains;
+    auto& points = chains.chains[0].points;
+    for (std::size_t k = 0; k < corners; ++k) {
+      points[17 * k + 5].corner = true;
+      points[17 * k + 5].beyond = {1.5, -0.75};
+    }
+    const Parametrization p = run_sound(chains);
+    ASSERT_EQ(p.curve_samples.size(), points.size());
+    EXPECT_GE(p.vertices.size(), 3U);
+    for (std::size_t i = 0; i < points.size(); ++i) {
+      const CurveSample& s = p.curve_samples[i];
+      EXPECT_EQ(s.position, points[i].on_curve());
+      if (points[i].corner) {
+        EXPECT_EQ(s.t, 0) << "a vertex";
+      }
+    }
+  }
+}
+
 TEST(Parametrize, ItDoesNotMatterWhereAClosedChainStarts) {
   ChainBuilder b(120, 120);
   ASSERT_TRUE(b.add(arc({60.3, 58.9}, 33), true));

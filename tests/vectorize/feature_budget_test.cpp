@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <utility>
 #include <vector>
 
@@ -51,7 +52,7 @@ FeatureChains chains_of(std::vector<Chain> list) {
 
 TEST(FeatureBudget, WhatFitsStays) {
   FeatureChains chains = chains_of({straight(20, 60), winding(60, 60)});
-  keep_within_budget(fields_of(200), 60, 1000, 0.6, chains);
+  keep_within_budget(fields_of(200), 60, 1000, {}, chains);
   EXPECT_EQ(chains.chains.size(), 2U);
 }
 
@@ -73,10 +74,30 @@ TEST(FeatureBudget, OfTheSameContrastTheStraightOneStays) {
                                                {winding(35, 30), winding(50, 30), winding(70, 30), simple}};
   for (const std::vector<Chain>& order : orders) {
     FeatureChains chains = chains_of(order);
-    keep_within_budget(fields_of(200), 100, 99, 1, chains);  // three tenths of the pixels may stay
+    keep_within_budget(fields_of(200), 100, 99, {.any = 1}, chains);  // three tenths of the pixels may stay
     ASSERT_EQ(chains.chains.size(), 1U);
     EXPECT_EQ(chains.chains[0].points.back().y, 20);
   }
+}
+
+TEST(FeatureBudget, WeakOnesGoAboveTheirShare) {
+  // Contrast of 100 levels, all of it within a pixel, or half of it beyond.
+  const auto picture = [](bool soft) {
+    image::Image p = image::make_image(kSide, kSide, 1);
+    for (int y = 0; y < kSide; ++y) {
+      for (int x = 0; x < kSide; ++x)
+        p.at(x, y, 0) = soft ? float(std::clamp(20 * (y - 17), 0, 120)) : y < 20 ? 0 : 100;
+    }
+    return p;
+  };
+  const auto left = [&](bool soft, double weak) {
+    FeatureChains chains = chains_of({straight(20, 30)});
+    keep_within_budget(picture(soft), 150, 1000, {.weak = weak}, chains);
+    return chains.chains.size();
+  };
+  EXPECT_EQ(left(true, 0.1), 0U);
+  EXPECT_EQ(left(true, 0.2), 1U);
+  EXPECT_EQ(left(false, 0.1), 1U);
 }
 
 }  // namespace

@@ -490,6 +490,42 @@ TEST(Vectorize, DrawingsHaveFinerPolylinesIfTheyFit) {
   EXPECT_GE(video_options(options).drawn_distance, video_options(options).parametrize.polyline_distance);
 }
 
+TEST(Vectorize, CornersStaySharpWhenEnlarged) {
+  // A square that is turned, with a triangle before it, at one scale and another.
+  const auto drawn = [](double scale) {
+    return draw(int(120 * scale), int(100 * scale), 3, [=](double x, double y) {
+      x /= scale, y /= scale;
+      const double u = 0.9 * (x - 55) + 0.436 * (y - 50);
+      const double v = -0.436 * (x - 55) + 0.9 * (y - 50);
+      if (y > 30 && y + 1.9 * x < 210 && y - 0.4 * x < 25) return Colour{200, 40, 60};
+      return std::max(std::abs(u), std::abs(v)) < 29.3 ? Colour{30, 90, 160} : Colour{240, 235, 220};
+    });
+  };
+  const image::Image picture = drawn(1);
+  const image::Image large = drawn(4);
+  const auto psnr_of = [&](const Options& options, std::size_t& corners) {
+    const Vectorization v = vectorize_picture(picture, options);
+    corners = v.report.corners;
+    return image::compare_images(large, rendered(v.model, {.width = large.width, .height = large.height}))
+        .psnr;
+  };
+  Options options;
+  std::size_t corners = 0;
+  const double with = psnr_of(options, corners);
+  EXPECT_GE(corners, 6U);
+  options.corner_detection = false;
+  const double without = psnr_of(options, corners);
+  EXPECT_EQ(corners, 0U);
+  EXPECT_GT(with, without + 2);
+}
+
+TEST(Vectorize, VideosHaveNoCornersOfTheirOwn) {
+  EXPECT_TRUE(Options{}.corner_detection);
+  EXPECT_FALSE(video_options({}).corner_detection);
+  EXPECT_GT(Options{}.drawn_weak_share, Options{}.weak_share);
+  EXPECT_EQ(video_options({}).drawn_weak_share, video_options({}).weak_share);
+}
+
 TEST(Vectorize, FramesOfVideosAreNotFittedToMixedPixels) {
   EXPECT_GT(Options{}.mixed_weight, 0);
   EXPECT_EQ(video_options({}).mixed_weight, 0);
@@ -532,6 +568,10 @@ TEST(Vectorize, RefusesOptionsOutOfRange) {
   EXPECT_TRUE(refuses([](Options& o) { o.segment_knot_spacing = 0; }));
   EXPECT_TRUE(refuses([&](Options& o) { o.segment_knot_spacing = nan; }));
   EXPECT_TRUE(refuses([](Options& o) { o.feature_share = 1.5; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.weak_share = 1.5; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.drawn_weak_share = -1; }));
+  EXPECT_TRUE(refuses([&](Options& o) { o.drawn_weak_share = nan; }));
+  EXPECT_TRUE(refuses([](Options& o) { o.corners.most_error = 0; }));
   EXPECT_TRUE(refuses([](Options& o) { o.block_error = -1; }));
   EXPECT_TRUE(refuses([](Options& o) { o.max_turning = -1; }));
   EXPECT_TRUE(refuses([&](Options& o) { o.block_error = nan; }));

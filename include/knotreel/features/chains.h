@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstdint>
 #include <vector>
 
@@ -15,6 +16,15 @@ struct ChainPoint {
   std::int32_t x = 0;  ///< pixel column
   std::int32_t y = 0;  ///< pixel row
   Vec2 position;  ///< on the curve, in image coordinates; within one pixel of (x + 0.5, y + 0.5) per axis
+  Vec2 beyond{};  ///< on from there to the curve, where that is further away: at sharp corners
+  bool corner = false;  ///< the curve has a sharp corner here, or several meet (sharpen_corners())
+
+  Vec2 on_curve() const { return position + beyond; }
+  /// Puts the curve there, and the position as near to it as it may be.
+  void move_to(Vec2 p) {
+    position = {std::clamp(p.x, x - 0.5, x + 1.5), std::clamp(p.y, y - 0.5, y + 1.5)};
+    beyond = p - position;
+  }
 };
 
 /// A one-pixel wide curve: consecutive pixels are 8-neighbours. An open chain runs from node to node; its end

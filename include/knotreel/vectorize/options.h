@@ -5,6 +5,7 @@
 
 #include "knotreel/document/writer.h"
 #include "knotreel/features/colour_correction.h"
+#include "knotreel/features/corners.h"
 #include "knotreel/features/detect.h"
 #include "knotreel/features/fair.h"
 #include "knotreel/fit/colour_fit.h"
@@ -41,10 +42,17 @@ struct Options {
   /// contrast for what they cost are left out, down to 0.3 at most. It is 0.6 at least where the first knots
   /// need but two fifths of all.
   double feature_share = 0.6;
+  /// Share of the control points above which weak features among them go, 0 to 1: soft edges, or those beside
+  /// others, of little contrast.
+  double weak_share = 0.1;
+  /// For drawings (features::is_drawing()), in place of weak_share, if that is less: their areas touch, and
+  /// what is between them shows (docs/decisions/0039).
+  double drawn_weak_share = 0.2;
   /// Radians per pixel in the mean, >= 0: features that turn more, such as letters of a few pixels, are left
   /// to the smooth surface. 0: none are.
   double max_turning = 0;
   bool fairing = true;
+  bool corner_detection = true;  ///< curves get sharp corners where two straight sides meet
   bool colour_correction = true;
   bool picture_links = true;  ///< link triangulations chosen by the picture
   features::DetectOptions detect{
@@ -56,6 +64,7 @@ struct Options {
   /// no noise, so that faint edges are edges, too. 0: off.
   double drawn_threshold = 1;
   features::FairOptions fair{};
+  features::CornerOptions corners{};
   /// A fifth of the paper's: most edges of photographs are blurred by the lens, and what is made sharper than
   /// the picture costs PSNR (docs/decisions/0012, 0033).
   features::CorrectionOptions correction{.strength = 0.2};

@@ -33,6 +33,7 @@ struct Report {
   std::size_t chains_over_budget =
       0;  ///< of these, dropped because features may not use up the control points
   std::size_t feature_pixels = 0;
+  std::size_t corners = 0;  ///< sharp ones of features, and where several meet
   std::size_t polyline_vertices = 0;
   int folds_left = 0;              ///< of the parametrization
   std::size_t geometry_folds = 0;  ///< samples beside features where the surface still folds over

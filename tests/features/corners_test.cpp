@@ -1,0 +1,232 @@
+#include "knotreel/features/corners.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "features/drawings.h"
+#include "features/untangle.h"
+#include "knotreel/base/error.h"
+#include "knotreel/features/defects.h"
+#include "knotreel/features/detect.h"
+#include "knotreel/features/fair.h"
+
+namespace knotreel::features {
+namespace {
+
+using testing::draw;
+
+/// Radii to and fro; a polygon if they are the same.
+std::vector<Vec2> star(Vec2 centre, double outer, double inner, int tips, double turn) {
+  std::vector<Vec2> corners;
+  for (int i = 0; i < 2 * tips; ++i) {
+    const double angle = turn + i * std::numbers::pi / tips;
+    const double radius = i % 2 == 0 ? outer : inner;
+    corners.push_back(centre + radius * Vec2{std::cos(angle), std::sin(angle)});
+  }
+  return corners;
+}
+
+std::vector<Vec2> polygon(Vec2 centre, double radius, int sides, double turn) {
+  std::vector<Vec2> corners;
+  for (int i = 0; i < sides; ++i) {
+    const double angle = turn + 2 * i * std::numbers::pi / sides;
+    corners.push_back(centre + radius * Vec2{std::cos(angle), std::sin(angle)});
+  }
+  return corners;
+}
+
+bool inside(const std::vector<Vec2>& corners, Vec2 p) {
+  bool in = false;
+  for (std::size_t i = 0; i < corners.size(); ++i) {
+    const Vec2 a = corners[i];
+    const Vec2 b = corners[(i + 1) % corners.size()];
+    if ((a.y > p.y) != (b.y > p.y) && p.x < a.x + (p.y - a.y) / (b.y - a.y) * (b.x - a.x)) in = !in;
+  }
+  return in;
+}
+
+image::Image filled(const std::vector<Vec2>& corners, int width = 100, int height = 90) {
+  return draw(width, height, [&](double x, double y) { return inside(corners, {x, y}) ? 40.0 : 230.0; });
+}
+
+FeatureChains curves_of(const image::Image& picture) {
+  FeatureChains chains = detect_features(picture);
+  fair_chains(chains);
+  return chains;
+}
+
+double distance(const FeatureChains& chains, Vec2 p, bool corners_only) {
+  double least = 1e9;
+  for (const Chain& chain : chains.chains) {
+    for (const ChainPoint& q : chain.points) {
+      if (q.corner || !corners_only) least = std::min(least, norm(q.on_curve() - p));
+    }
+  }
+  return least;
+}
+
+TEST(Corners, AreWhereTheyWereDrawn) {
+  int shape = 0;
+  for (const std::vector<Vec2>& corners :
+       {polygon({50.3, 44.8}, 30, 3, 0.2), polygon({50.3, 44.8}, 30, 4, 0.4), polygon({50, 45}, 33.4, 5, 0.1),
+        polygon({50.3, 44.8}, 30, 6, 0.9), star({49.6, 45.2}, 35, 15, 5, 0.3),
+        star({49.6, 45.2}, 35, 16, 4, 0.5)}) {
+    SCOPED_TRACE(shape++);
+    const image::Image picture = filled(corners);
+    FeatureChains chains = curves_of(picture);
+    double before = 0;
+    for (const Vec2 p : corners) before = std::max(before, distance(chains, p, false));
+    EXPECT_GT(before, 0.3);
+    EXPECT_EQ(sharpen_corners(picture, chains), corners.size());
+    for (const Vec2 p : corners) EXPECT_LT(distance(chains, p, true), 0.1) << p.x << ", " << p.y;
+    EXPECT_EQ(find_defect(chains), std::nullopt);
+  }
+}
+
+TEST(Corners, CurvesGoStraightToThem) {
+  const std::vector<Vec2> corners = star({49.6, 45.2}, 35, 16, 4, 0.5);
+  const image::Image picture = filled(corners);
+  FeatureChains chains = curves_of(picture);
+  sharpen_corners(picture, chains);
+  ASSERT_EQ(chains.chains.size(), 1U);
+  for (const ChainPoint& p : chains.chains[0].points) {
+    double off = 1e9;
+    for (std::size_t i = 0; i < corners.size(); ++i) {
+      const Vec2 along = corners[(i + 1) % corners.size()] - corners[i];
+      const double t = std::clamp(dot(p.on_curve() - corners[i], along) / dot(along, along), 0.0, 1.0);
+      off = std::min(off, norm(p.on_curve() - corners[i] - t * along));
+    }
+    EXPECT_LT(off, 0.15) << p.x << ", " << p.y;
+  }
+}
+
+TEST(Corners, AcuteTipsLieBeyondTheirPixels) {
+  const std::vector<Vec2> corners = star({49.6, 45.2}, 40, 14, 4, 0.5);
+  const image::Image picture = filled(corners, 110, 100);
+  FeatureChains chains = curves_of(picture);
+  sharpen_corners(picture, chains);
+  const auto& points = chains.chains.at(0).points;
+  EXPECT_TRUE(
+      std::any_of(points.begin(), points.end(), [](const ChainPoint& p) { return p.beyond != Vec2{}; }));
+  EXPECT_EQ(find_defect(chains), std::nullopt) << "positions stay at their pixels";
+}
+
+TEST(Corners, RoundThingsHaveNone) {
+  for (const double radius : {2.5, 3.0, 4.0, 6.0, 9.0, 12.0, 17.0, 30.0}) {
+    for (const double shift : {0.0, 0.3, 0.5}) {
+      const image::Image picture = testing::disc(80, 40 + shift, 40.2, radius);
+      FeatureChains chains = curves_of(picture);
+      EXPECT_EQ(sharpen_corners(picture, chains), 0U) << radius << ", " << shift;
+    }
+  }
+}
+
+TEST(Corners, RoundedOnesStayRound) {
+  // Squares whose corners are round. Those of the smallest radius are between straight sides as near as those
+  // of sharp ones: the picture tells.
+  for (const double radius : {2.2, 3.0, 5.0}) {
+    const image::Image picture = draw(80, 80, [=](double x, double y) {
+      const double u = std::max(0.0, std::abs(0.8 * (x - 40) + 0.6 * (y - 40)) - 20 + radius);
+      const double v = std::max(0.0, std::abs(-0.6 * (x - 40) + 0.8 * (y - 40)) - 20 + radius);
+      return std::hypot(u, v) < radius ? 30.0 : 210.0;
+    });
+    FeatureChains chains = curves_of(picture);
+    const auto before = chains.chains.at(0).points;
+    EXPECT_EQ(sharpen_corners(picture, chains), 0U) << radius;
+    for (std::size_t i = 0; i < before.size(); ++i)
+      EXPECT_EQ(chains.chains[0].points[i].on_curve(), before[i].position);
+  }
+}
+
+TEST(Corners, NothingCrossesAfterwards) {
+  std::size_t corners = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> place(8, 92);
+    std::vector<std::vector<Vec2>> shapes;
+    for (int i = 0; i < 12; ++i) {
+      const Vec2 centre{place(random), place(random)};
+      shapes.push_back(star(centre, 16, 5, 3 + i % 3, place(random)));
+    }
+    const image::Image picture = draw(100, 100, [&](double x, double y) {
+      double value = 250;
+      for (std::size_t i = 0; i < shapes.size(); ++i) {
+        if (inside(shapes[i], {x, y})) value = 20.0 * double(i);
+      }
+      return value;
+    });
+    FeatureChains chains = curves_of(picture);
+    corners += sharpen_corners(picture, chains);
+    EXPECT_EQ(find_defect(chains), std::nullopt) << "seed " << seed;
+    EXPECT_TRUE(crossing_steps(chains).empty()) << "seed " << seed;
+  }
+  EXPECT_GT(corners, 400U);
+}
+
+TEST(Corners, CurvesMeetWhereAreasDo) {
+  const Vec2 meet{41.3, 38.6};
+  // The upper half plane, turned, over two areas below.
+  const image::Image picture = draw(80, 80, [&](double x, double y) {
+    const Vec2 p = Vec2{x, y} - meet;
+    if (p.y < 0.15 * p.x) return 30.0;
+    return p.x < -0.2 * p.y ? 230.0 : 130.0;
+  });
+  FeatureChains chains = curves_of(picture);
+  EXPECT_GT(distance(chains, meet, false), 0.12);
+  ASSERT_EQ(sharpen_corners(picture, chains), 1U);
+  EXPECT_LT(distance(chains, meet, true), 0.05);
+  EXPECT_EQ(find_defect(chains), std::nullopt);
+  int arms = 0;
+  for (const Chain& chain : chains.chains) {
+    for (const ChainPoint* end : {&chain.points.front(), &chain.points.back()}) {
+      if (!end->corner) continue;
+      ++arms;
+      EXPECT_LT(norm(end->on_curve() - meet), 0.05);
+    }
+  }
+  EXPECT_EQ(arms, 3);
+}
+
+TEST(Corners, StepsSayWhereBoxesEndOnly) {
+  const auto hard = [](const std::vector<Vec2>& corners) {
+    image::Image picture = filled(corners);
+    for (float& s : picture.samples) s = s < 128 ? 40.0F : 230.0F;
+    return picture;
+  };
+  const auto corners_of = [](const image::Image& picture, FeatureChains& chains) {
+    chains = curves_of(picture);
+    EXPECT_TRUE(chains.chains.at(0).stepped);
+    return sharpen_corners(picture, chains);
+  };
+  FeatureChains chains;
+  EXPECT_EQ(corners_of(hard(polygon({50.3, 44.8}, 30, 4, 0.4)), chains), 0U);
+  const std::vector<Vec2> box{{20, 18}, {75, 18}, {75, 66}, {20, 66}};
+  EXPECT_EQ(corners_of(hard(box), chains), 4U);
+  for (const Vec2 p : box) EXPECT_LT(distance(chains, p, true), 0.02) << p.x << ", " << p.y;
+}
+
+TEST(Corners, BendsBelowTheLeastTurnAreLeft) {
+  const std::vector<Vec2> corners = polygon({50, 45}, 38, 12, 0.1);  // turns of 30 degrees
+  const image::Image picture = filled(corners);
+  FeatureChains chains = curves_of(picture);
+  EXPECT_EQ(sharpen_corners(picture, chains, {.least_turn = 35}), 0U);
+  EXPECT_GT(sharpen_corners(picture, chains, {.least_turn = 25}), 6U);
+}
+
+TEST(Corners, MisuseIsRefused) {
+  FeatureChains chains{20, 10, {}, 0};
+  const image::Image picture = image::make_image(20, 10, 3);
+  EXPECT_EQ(sharpen_corners(picture, chains), 0U);
+  EXPECT_THROW(sharpen_corners(image::make_image(10, 20, 3), chains), Error);
+  for (const double bad : {-1.0, 181.0, std::nan("")})
+    EXPECT_THROW(sharpen_corners(picture, chains, {.least_turn = bad}), Error) << bad;
+  for (const double bad : {0.0, -1.0, std::nan("")})
+    EXPECT_THROW(sharpen_corners(picture, chains, {.most_error = bad}), Error) << bad;
+}
+
+}  // namespace
+}  // namespace knotreel::features
