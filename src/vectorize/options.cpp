@@ -15,6 +15,11 @@ std::size_t share_of(std::uint64_t pixels, double share) {
   return std::max<std::size_t>(256, static_cast<std::size_t>(share * static_cast<double>(pixels)));
 }
 
+/// From 10 % to 40 %: what is not flat is drawn densely, such as a page of text.
+double share_of_drawing(const image::Image& picture) {
+  return std::max(0.1, 2 * (1 - features::flat_share(picture)) - 0.4);
+}
+
 }  // namespace
 
 std::size_t default_control_points(const image::Image& picture) {
@@ -22,7 +27,7 @@ std::size_t default_control_points(const image::Image& picture) {
   const std::size_t of_small = std::min(kMostOfSmall, share_of(pixels, 0.2));
   const std::size_t of_any = std::max(of_small, share_of(pixels, 0.0275));
   if (of_any >= kMostOfDrawings || !features::is_drawing(picture)) return of_any;
-  return std::max(of_any, std::min(kMostOfDrawings, share_of(pixels, 0.1)));
+  return std::max(of_any, std::min(kMostOfDrawings, share_of(pixels, share_of_drawing(picture))));
 }
 
 std::size_t default_video_control_points(std::uint64_t pixels) {

@@ -382,6 +382,17 @@ TEST(Vectorize, DrawingsMayHaveMoreControlPoints) {
   EXPECT_EQ(default_control_points(noise_picture(300, 200)), 3000U);
 }
 
+TEST(Vectorize, DenseDrawingsMayHaveEvenMore) {
+  // Bars of one pixel every so many rows; three rows in so many are not flat.
+  const auto bars = [](int distance) {
+    return draw(400, 300, 1, [=](double, double y) { return Colour{int(y) % distance == 0 ? 0.0 : 255.0}; });
+  };
+  const std::size_t sparse = default_control_points(bars(20));
+  const std::size_t dense = default_control_points(bars(8));
+  EXPECT_EQ(sparse, 12000U);
+  EXPECT_NEAR(double(dense), (2 * 3.0 / 8 - 0.4) * 400 * 300, 1200);
+}
+
 TEST(Vectorize, SmallPicturesMayHaveMoreControlPoints) {
   EXPECT_EQ(default_control_points(noise_picture(400, 300)), 3300U);
   EXPECT_EQ(default_control_points(noise_picture(300, 300)), 3000U);

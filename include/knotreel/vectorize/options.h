@@ -94,8 +94,9 @@ struct Options {
 
 /// 2.75 % of the pixels: for photographs about 0.75 bytes per pixel by raw_accounting_bytes(). Of icons and
 /// other small pictures 20 %, up to 3000, but at least 256: each of their pixels tells more
-/// (docs/decisions/0037). Of drawings (features::is_drawing()) 10 %, up to 200,000: most need far fewer, and
-/// where there is small text nothing else keeps it legible (docs/decisions/0036).
+/// (docs/decisions/0037). Of drawings (features::is_drawing()) 10 %, and 2 % more for each percent of the
+/// pixels that is not flat (features::flat_share()) beyond a quarter, up to 200,000: most need far fewer, and
+/// where there is small text nothing else keeps it legible (docs/decisions/0036, 0039).
 std::size_t default_control_points(const image::Image& picture);
 
 /// 2 % of the pixels, but at least 256, of a frame of a video: it has less to give than a photograph, since
