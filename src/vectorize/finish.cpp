@@ -9,6 +9,7 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/fit/pixel_places.h"
+#include "knotreel/fit/squared_errors.h"
 #include "knotreel/image/two_colours.h"
 #include "knotreel/raster/edge_softness.h"
 #include "knotreel/raster/mixed_pixels.h"
@@ -76,6 +77,22 @@ fit::MixedPixels mixed_pixels(const BasisPointer& basis, const Draft& draft, con
   return mixed;
 }
 
+/// The last geometry, and the colours of all pixels where it puts them. @return the pixels that features
+/// cross.
+std::vector<std::uint8_t> fit_as_drawn(const BasisPointer& basis, const Options& options, Samples& samples,
+                                       RunLog& log, Draft& draft) {
+  std::vector<std::uint8_t> crossed;
+  if (samples.has_features()) crossed = finish_geometry(*basis, options, samples, log, draft);
+  fit::MixedPixels mixed;
+  if (samples.has_features() && options.mixed_weight > 0) {
+    mixed = mixed_pixels(basis, draft, samples.picture(), options);
+    log.lap("mixed");
+  }
+  fit_all_pixels(*basis, samples, options.colour, draft, &mixed);
+  log.lap("colours");
+  return crossed;
+}
+
 double fitting_edge_softness(const BasisPointer& basis, const Samples& samples, const Draft& draft) {
   auto surface = std::make_shared<spline::PixelSurface>();
   surface->basis = basis;
@@ -88,23 +105,27 @@ double fitting_edge_softness(const BasisPointer& basis, const Samples& samples, 
 
 }  // namespace
 
+std::vector<float> errors_if_finished(const Options& options, Samples& samples, RunLog& log,
+                                      const Draft& draft) {
+  Draft trial;
+  trial.surface = draft.surface;
+  Samples::State before = samples.state();
+  fit_as_drawn(std::make_shared<const spline::Basis>(trial.surface.space), options, samples, log, trial);
+  std::vector<float> errors =
+      fit::squared_errors(trial.surface.fit.residual, samples.weights(), samples.picture());
+  samples.restore(std::move(before));
+  return errors;
+}
+
 Fitted finish(const Options& options, Samples& samples, RunLog& log, Draft& draft) {
   store_space(options.knot_bits, static_cast<std::size_t>(samples.picture().channels), draft.surface);
-  auto basis = std::make_shared<const spline::Basis>(draft.surface.space);
-  std::vector<std::uint8_t> crossed;
-  if (samples.has_features()) crossed = finish_geometry(*basis, options, samples, log, draft);
-  fit::MixedPixels mixed;
-  if (samples.has_features() && options.mixed_weight > 0) {
-    mixed = mixed_pixels(basis, draft, samples.picture(), options);
-    log.lap("mixed");
-  }
-  fit_all_pixels(*basis, samples, options.colour, draft, &mixed);
-  log.lap("colours");
+  const auto basis = std::make_shared<const spline::Basis>(draft.surface.space);
+  std::vector<std::uint8_t> crossed = fit_as_drawn(basis, options, samples, log, draft);
   if (samples.has_features()) {
     draft.edge_softness = fitting_edge_softness(basis, samples, draft);
     log.lap("softness");
   }
-  return {std::move(basis), samples.take_places(), std::move(crossed)};
+  return {basis, samples.take_places(), std::move(crossed)};
 }
 
 }  // namespace knotreel::vectorize

@@ -9,4 +9,10 @@ namespace knotreel::vectorize {
 /// are given away.
 Fitted finish(const Options& options, Samples& samples, RunLog& log, Draft& draft);
 
+/// Squared errors of the pixels if finish() came now, about; 0 of those that do not count. Rounds are fitted
+/// where the parametrization has the pixels, which beside features is up to a pixel from where they will be
+/// drawn. @param samples are as before in the end.
+std::vector<float> errors_if_finished(const Options& options, Samples& samples, RunLog& log,
+                                      const Draft& draft);
+
 }  // namespace knotreel::vectorize

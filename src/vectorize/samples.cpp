@@ -1,6 +1,7 @@
 #include "vectorize/samples.h"
 
 #include <algorithm>
+#include <utility>
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/edge_colours.h"
@@ -84,6 +85,12 @@ void Samples::move(std::vector<Vec2> places, const std::vector<std::uint8_t>& cr
                    const mesh::KnotMesh& mesh) {
   places_ = std::move(places);
   weigh(crossed, mesh);
+}
+
+void Samples::restore(State state) {
+  mapped_.corrected = std::move(state.corrected);
+  places_ = std::move(state.places);
+  weights_ = std::move(state.weights);
 }
 
 }  // namespace knotreel::vectorize

@@ -39,6 +39,14 @@ class Samples {
 
   /// Goes over to the places that a geometry gives to the pixels. @param crossed as weigh().
   void move(std::vector<Vec2> places, const std::vector<std::uint8_t>& crossed, const mesh::KnotMesh& mesh);
+  /// What move() changes.
+  struct State {
+    image::Image corrected;
+    std::vector<Vec2> places;
+    std::vector<float> weights;
+  };
+  State state() const { return {mapped_.corrected, places_, weights_}; }
+  void restore(State state);
   /// Gives the places away.
   std::vector<Vec2> take_places() { return std::move(places_); }
 

@@ -38,7 +38,7 @@ struct Missed {
 };
 
 /// By all pixels if it is not by far, since pairs of rows have less noise.
-Missed missed(const Options& options, const Samples& samples, RunLog& log, Draft& draft) {
+Missed missed(const Options& options, Samples& samples, RunLog& log, Draft& draft) {
   const auto met = [&] { return log.round().mec <= options.mec && log.round().meg <= options.meg; };
   if (!met()) return {.means = true, .blocks = {}};
   if (!draft.fits_all_pixels) {
@@ -49,10 +49,14 @@ Missed missed(const Options& options, const Samples& samples, RunLog& log, Draft
   }
   if (options.block_error == 0) return {};
   const image::Image& picture = samples.picture();
+  const double bound = options.mec * options.block_error;
   std::vector<float> errors = fit::squared_errors(draft.surface.fit.residual, samples.weights(), picture);
-  const std::size_t blocks =
-      knots::keep_worst_blocks(errors, picture.width, picture.height, options.mec * options.block_error);
-  if (blocks == 0) return {};
+  if (knots::keep_worst_blocks(errors, picture.width, picture.height, bound) == 0) return {};
+  // Most of such blocks are beside features, where what will be drawn is better (docs/decisions/0039).
+  if (samples.has_features() && options.mixed_weight > 0) {
+    errors = errors_if_finished(options, samples, log, draft);
+    if (knots::keep_worst_blocks(errors, picture.width, picture.height, bound) == 0) return {};
+  }
   return {.blocks = std::move(errors)};
 }
 
