@@ -21,6 +21,9 @@ namespace {
 // Of the weight of mixed pixels, where edges come in steps: there a pixel tells its own colour, no mixture.
 constexpr double kShareOfSteps = 0.3;
 
+// In place of Options::unfold, where the geometry is not to stay.
+constexpr double kQuickUnfold = 0.7;
+
 using BasisPointer = std::shared_ptr<const spline::Basis>;
 
 bool is_stepped(const image::Image& picture, int x, int y) {
@@ -105,16 +108,19 @@ double fitting_edge_softness(const BasisPointer& basis, const Samples& samples, 
 
 }  // namespace
 
-std::vector<float> errors_if_finished(const Options& options, Samples& samples, RunLog& log,
-                                      const Draft& draft) {
+Outlook outlook(const Options& options, Samples& samples, RunLog& log, const Draft& draft) {
   Draft trial;
   trial.surface = draft.surface;
+  Options quick = options;
+  quick.unfold = std::min(options.unfold, kQuickUnfold);
   Samples::State before = samples.state();
-  fit_as_drawn(std::make_shared<const spline::Basis>(trial.surface.space), options, samples, log, trial);
-  std::vector<float> errors =
-      fit::squared_errors(trial.surface.fit.residual, samples.weights(), samples.picture());
+  fit_as_drawn(std::make_shared<const spline::Basis>(trial.surface.space), quick, samples, log, trial);
+  RoundReport report;
+  measure_colours(samples, trial, report);
+  Outlook result{fit::squared_errors(trial.surface.fit.residual, samples.weights(), samples.picture()),
+                 report.mec};
   samples.restore(std::move(before));
-  return errors;
+  return result;
 }
 
 Fitted finish(const Options& options, Samples& samples, RunLog& log, Draft& draft) {

@@ -9,10 +9,15 @@ namespace knotreel::vectorize {
 /// are given away.
 Fitted finish(const Options& options, Samples& samples, RunLog& log, Draft& draft);
 
-/// Squared errors of the pixels if finish() came now, about; 0 of those that do not count. Rounds are fitted
-/// where the parametrization has the pixels, which beside features is up to a pixel from where they will be
-/// drawn. @param samples are as before in the end.
-std::vector<float> errors_if_finished(const Options& options, Samples& samples, RunLog& log,
-                                      const Draft& draft);
+/// What comes out, about.
+struct Outlook {
+  std::vector<float> squared_errors;  ///< of the pixels; 0 for those that do not count
+  double mec = 0;
+};
+
+/// As if finish() came now. Rounds are fitted where the parametrization has the pixels, which beside features
+/// is up to a pixel from where they will be drawn.
+/// @param samples are as before in the end.
+Outlook outlook(const Options& options, Samples& samples, RunLog& log, const Draft& draft);
 
 }  // namespace knotreel::vectorize

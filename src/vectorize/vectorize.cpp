@@ -8,12 +8,11 @@
 #include <vector>
 
 #include "knotreel/base/error.h"
-#include "knotreel/fit/squared_errors.h"
 #include "knotreel/image/hidden_colours.h"
-#include "knotreel/knots/block_errors.h"
 #include "vectorize/check_options.h"
 #include "vectorize/draft.h"
 #include "vectorize/finish.h"
+#include "vectorize/judge.h"
 #include "vectorize/rounds.h"
 #include "vectorize/run_log.h"
 #include "vectorize/samples.h"
@@ -29,35 +28,6 @@ void check_picture(const image::Image& picture) {
   const auto is_number = [](float sample) { return std::isfinite(sample); };
   if (!std::all_of(picture.samples.begin(), picture.samples.end(), is_number))
     refuse("cannot vectorize a picture with samples that are not finite");
-}
-
-/// What of the thresholds is missed.
-struct Missed {
-  bool means = false;
-  std::vector<float> blocks;  ///< else: squared errors in blocks above the bound, 0 elsewhere; empty: none is
-};
-
-/// By all pixels if it is not by far, since pairs of rows have less noise.
-Missed missed(const Options& options, Samples& samples, RunLog& log, Draft& draft) {
-  const auto met = [&] { return log.round().mec <= options.mec && log.round().meg <= options.meg; };
-  if (!met()) return {.means = true, .blocks = {}};
-  if (!draft.fits_all_pixels) {
-    fit_all_pixels(draft.steering->basis, samples, options.colour, draft);
-    log.lap("colours");
-    measure_colours(samples, draft, log.round());
-    if (!met()) return {.means = true, .blocks = {}};
-  }
-  if (options.block_error == 0) return {};
-  const image::Image& picture = samples.picture();
-  const double bound = options.mec * options.block_error;
-  std::vector<float> errors = fit::squared_errors(draft.surface.fit.residual, samples.weights(), picture);
-  if (knots::keep_worst_blocks(errors, picture.width, picture.height, bound) == 0) return {};
-  // Most of such blocks are beside features, where what will be drawn is better (docs/decisions/0039).
-  if (samples.has_features() && options.mixed_weight > 0) {
-    errors = errors_if_finished(options, samples, log, draft);
-    if (knots::keep_worst_blocks(errors, picture.width, picture.height, bound) == 0) return {};
-  }
-  return {.blocks = std::move(errors)};
 }
 
 /// Moves all knots against the true error.
@@ -93,8 +63,9 @@ class Run {
     Rounds rounds(options_, *start->target, samples, max_functions, log_, draft_);
     rounds.first(std::move(*start->mesh), start->mapped.knots);
     end_round(samples);
+    Judge judge(options_, samples, log_, draft_);
     for (int round = 2; round <= options_.rounds; ++round) {
-      const Missed left = missed(options_, samples, log_, draft_);
+      const Missed left = judge.missed();
       if (!left.means && left.blocks.empty()) break;
       log_.begin_round("round " + std::to_string(round));
       if (!rounds.next(round, left.blocks)) {

@@ -24,7 +24,7 @@ image::Image plain_shapes() {
   });
 }
 
-TEST(Finish, ErrorsAreTriedWithoutATrace) {
+TEST(Finish, AnOutlookLeavesNoTrace) {
   const image::Image picture = plain_shapes();
   const Options options;
   const Observer observer;
@@ -41,16 +41,19 @@ TEST(Finish, ErrorsAreTriedWithoutATrace) {
   const std::vector<float> colours = samples.colours().samples;
   const std::vector<float> now =
       fit::squared_errors(draft.surface.fit.residual, samples.steering().weights, *samples.steering().image);
-  const std::vector<float> then = errors_if_finished(options, samples, log, draft);
+  const Outlook then = outlook(options, samples, log, draft);
   EXPECT_EQ(samples.places(), places);
   EXPECT_TRUE(std::equal(weights.begin(), weights.end(), samples.weights().begin(), samples.weights().end()));
   EXPECT_EQ(samples.colours().samples, colours);
 
-  ASSERT_EQ(then.size(), picture.pixel_count());
+  ASSERT_EQ(then.squared_errors.size(), picture.pixel_count());
+  EXPECT_GT(then.mec, 0);
+  EXPECT_LT(then.mec, 1);
   const auto mean = [](const std::vector<float>& errors) {
     return std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size());
   };
-  EXPECT_LT(mean(then), 0.5 * mean(now)) << "pixels beside features are where they will be drawn";
+  EXPECT_LT(mean(then.squared_errors), 0.5 * mean(now))
+      << "pixels beside features are where they will be drawn";
 }
 
 TEST(Finish, FewRoundsForWhatTheEndMends) {

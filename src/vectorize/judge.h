@@ -1,0 +1,41 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "knotreel/vectorize/options.h"
+#include "vectorize/draft.h"
+#include "vectorize/run_log.h"
+#include "vectorize/samples.h"
+
+namespace knotreel::vectorize {
+
+/// What of the thresholds is missed.
+struct Missed {
+  bool means = false;
+  std::vector<float> blocks;  ///< else: squared errors in blocks above the bound, 0 elsewhere; empty: none is
+};
+
+/// Tells after each round whether another one is needed, and where.
+class Judge {
+ public:
+  /// All outlive this.
+  Judge(const Options& options, Samples& samples, RunLog& log, Draft& draft)
+      : options_(options), samples_(samples), log_(log), draft_(draft) {}
+
+  Missed missed();
+
+ private:
+  bool means_met() const;
+  Missed missed_as_fitted();
+  Missed missed_as_drawn();
+  Missed worst_blocks(std::vector<float> errors) const;
+
+  const Options& options_;
+  Samples& samples_;
+  RunLog& log_;
+  Draft& draft_;
+  std::vector<std::uint8_t> good_;  // pixels of blocks that will be drawn well enough; empty: not known
+};
+
+}  // namespace knotreel::vectorize
