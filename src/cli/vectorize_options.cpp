@@ -165,7 +165,7 @@ vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_
 
   options.features = !given.no_features;
   options.fairing = !given.no_fairing;
-  if (given.no_corner_detection) options.corner_detection = false;
+  options.corner_detection = !given.no_corner_detection;
   options.colour_correction = !given.no_colour_correction;
   options.picture_links = !given.no_picture_links;
   options.colour.smooth_corners = !given.no_smooth_corners;

@@ -30,7 +30,7 @@ double radians(double degrees) {
 /// One side of a corner.
 struct Arm {
   std::size_t chain = 0;
-  Walk walk;
+  ChainWalk walk;
   StraightSide side;
 };
 
@@ -95,8 +95,8 @@ bool is_level(const StraightSide& side) {
 
 /// Cosine of the turn at a point of a chain; 1 near the ends of an open one.
 double straightness(const Chain& chain, std::size_t i) {
-  const Walk back(chain, i, false);
-  const Walk on(chain, i, true);
+  const ChainWalk back(chain, i, false);
+  const ChainWalk on(chain, i, true);
   if (back.steps() < kArm || on.steps() < kArm) return 1;
   const Vec2 a = on.at(0) - back.at(kArm);
   const Vec2 b = on.at(kArm) - on.at(0);
@@ -120,7 +120,7 @@ class Sharpener {
 
  private:
   std::optional<Arm> arm(std::size_t chain, std::size_t from, bool forward) const {
-    const Walk walk(chains_.chains[chain], from, forward);
+    const ChainWalk walk(chains_.chains[chain], from, forward);
     const std::optional<StraightSide> side = straight_side(walk);
     if (!side || (chains_.chains[chain].stepped && !is_level(*side))) return std::nullopt;
     return Arm{chain, walk, *side};

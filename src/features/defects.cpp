@@ -77,7 +77,8 @@ class PixelTable {
         if (first || last) {
           const ChainPoint*& known = node_points[first ? chain.first_node : chain.last_node];
           if (known == nullptr && cell != kEmpty) return "two nodes or chains meet" + at(p);
-          if (known != nullptr && (known->x != p.x || known->y != p.y || known->position != p.position)) {
+          if (known != nullptr && (known->x != p.x || known->y != p.y || known->position != p.position ||
+                                   known->beyond != p.beyond)) {
             return "a node is at two places" + at(p);
           }
           known = &p;

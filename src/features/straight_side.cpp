@@ -16,7 +16,7 @@ double square(double x) {
   return x * x;
 }
 
-StraightSide line_through(const Walk& walk, std::size_t gap, std::size_t count) {
+StraightSide line_through(const ChainWalk& walk, std::size_t gap, std::size_t count) {
   StraightSide side{gap, count, {}, {}};
   for (std::size_t k = 0; k < count; ++k) side.point = side.point + walk.at(gap + k);
   side.point = (1.0 / double(count)) * side.point;
@@ -35,7 +35,7 @@ StraightSide line_through(const Walk& walk, std::size_t gap, std::size_t count) 
   return side;
 }
 
-bool is_straight(const Walk& walk, const StraightSide& side) {
+bool is_straight(const ChainWalk& walk, const StraightSide& side) {
   double sum = 0;
   for (std::size_t k = 0; k < side.count; ++k)
     sum += square(cross(side.away, walk.at(side.gap + k) - side.point));
@@ -43,7 +43,7 @@ bool is_straight(const Walk& walk, const StraightSide& side) {
 }
 
 /// The longest with that gap.
-std::optional<StraightSide> longest_side(const Walk& walk, std::size_t gap) {
+std::optional<StraightSide> longest_side(const ChainWalk& walk, std::size_t gap) {
   std::optional<StraightSide> longest;
   for (std::size_t count = kLeastCount; count <= kMostCount && gap + count <= walk.steps() + 1; ++count) {
     const StraightSide side = line_through(walk, gap, count);
@@ -55,7 +55,7 @@ std::optional<StraightSide> longest_side(const Walk& walk, std::size_t gap) {
 
 }  // namespace
 
-std::optional<StraightSide> straight_side(const Walk& walk) {
+std::optional<StraightSide> straight_side(const ChainWalk& walk) {
   std::optional<StraightSide> best;
   for (std::size_t gap = kLeastGap; gap <= kMostGap; ++gap) {
     const std::optional<StraightSide> side = longest_side(walk, gap);

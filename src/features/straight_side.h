@@ -9,10 +9,11 @@
 namespace knotreel::features {
 
 /// Points of a chain by their steps from one of them, one way.
-class Walk {
+class ChainWalk {
  public:
   /// @param forward  in the order of the chain, or against it
-  Walk(const Chain& chain, std::size_t from, bool forward) : chain_(&chain), from_(from), forward_(forward) {}
+  ChainWalk(const Chain& chain, std::size_t from, bool forward)
+      : chain_(&chain), from_(from), forward_(forward) {}
 
   /// How many steps there are, at most half of a closed chain.
   std::size_t steps() const {
@@ -41,7 +42,7 @@ struct StraightSide {
 };
 
 /// The longest straight stretch that begins near the start of a walk, but not at it.
-std::optional<StraightSide> straight_side(const Walk& walk);
+std::optional<StraightSide> straight_side(const ChainWalk& walk);
 
 /// Angle in radians that an arc of a circle would turn by between its ends if they were as straight as these.
 double turn_of_arc(const StraightSide& a, const StraightSide& b);

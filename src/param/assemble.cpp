@@ -50,8 +50,8 @@ class PolylineAssembler {
     if (!curve.closed) {
       Site& last = curves_.sites[curve.sites.back()];
       last.parameter = last.position;
-      samples.back() = {number, static_cast<std::uint32_t>(segments.size() - 1), 1.0, last.position,
-                        last.pixel};
+      samples.back() = {number, static_cast<std::uint32_t>(segments.size() - 1), 1.0,
+                        last.position + last.beyond, last.pixel};
     }
     result_.curve_samples.insert(result_.curve_samples.end(), samples.begin(), samples.end());
     result_.polylines.push_back(std::move(line));

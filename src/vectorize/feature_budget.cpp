@@ -10,7 +10,7 @@ namespace knotreel::vectorize {
 namespace {
 
 // Weak ones are those of little worth within three pixels that have more contrast farther away, which are
-// soft edges. If they have to go, so many as to leave this share of the control points to features.
+// soft edges. If they have to go, features are left with this share of the control points at most.
 constexpr double kLeftToWeak = 0.075;
 constexpr double kWeakWorth = 140;  // levels
 constexpr double kSharpness = 0.93;
@@ -125,7 +125,8 @@ void drop_winding(double max_turning, features::FeatureChains& chains) {
 bool keep_within_budget(const image::Image& picture, double functions, double most,
                         const FeatureShares& shares, features::FeatureChains& chains) {
   if (functions <= shares.weak * most) return false;
-  if (keep_strongest(picture, kLeftToWeak * most / functions, true, chains)) return false;
+  if (keep_strongest(picture, std::min(kMargin * shares.weak, kLeftToWeak) * most / functions, true, chains))
+    return false;
   if (functions <= shares.any * most) return false;
   return keep_strongest(picture, std::min(kMargin * shares.any, kMostLeft) * most / functions, false, chains);
 }

@@ -21,30 +21,27 @@ using mesh::EditableMesh;
 constexpr double kShareOfFine = 0.6;
 
 /// Without noise, which thresholds are there for, faint edges are edges, too.
-features::DetectOptions detect_options(const image::Image& picture, const Options& options) {
+features::DetectOptions detect_options(const Options& options, bool drawing) {
   features::DetectOptions detect = options.detect;
-  const bool softer = options.drawn_blur > detect.max_blur;
-  const bool fainter = options.drawn_threshold > 0 && options.drawn_threshold < detect.edge_threshold;
-  if (!(softer || fainter) || !features::is_drawing(picture)) return detect;
-  if (softer) detect.max_blur = options.drawn_blur;
-  if (fainter) {
+  if (!drawing) return detect;
+  detect.max_blur = std::max(detect.max_blur, options.drawn_blur);
+  if (options.drawn_threshold > 0 && options.drawn_threshold < detect.edge_threshold) {
     detect.anchor_threshold *= options.drawn_threshold / detect.edge_threshold;
     detect.edge_threshold = options.drawn_threshold;
   }
   return detect;
 }
 
-param::ParametrizeOptions parametrize_options(const image::Image& picture, const Options& options) {
+param::ParametrizeOptions parametrize_options(const Options& options, bool drawing) {
   param::ParametrizeOptions result = options.parametrize;
-  if (options.drawn_distance >= result.polyline_distance || !features::is_drawing(picture)) return result;
+  if (!drawing || options.drawn_distance >= result.polyline_distance) return result;
   result.stepped_distance = std::max(result.stepped_distance, result.polyline_distance);
   result.polyline_distance = options.drawn_distance;
   return result;
 }
 
-double weak_share(const image::Image& picture, const Options& options) {
-  const double drawn = options.drawn_weak_share;
-  return drawn > options.weak_share && features::is_drawing(picture) ? drawn : options.weak_share;
+double weak_share(const Options& options, bool drawing) {
+  return drawing ? std::max(options.weak_share, options.drawn_weak_share) : options.weak_share;
 }
 
 class Mapping {
@@ -53,15 +50,16 @@ class Mapping {
           MappedPicture& mapped)
       : picture_(picture),
         options_(options),
-        parametrize_(parametrize_options(picture, options)),
-        shares_{options.feature_share, weak_share(picture, options)},
+        drawing_(options.features && features::is_drawing(picture)),
+        parametrize_(parametrize_options(options, drawing_)),
+        shares_{options.feature_share, weak_share(options, drawing_)},
         max_functions_(max_functions),
         log_(log),
         mapped_(mapped) {}
 
   void find() {
     if (!options_.features) return;
-    mapped_.detected = features::detect_features(picture_, detect_options(picture_, options_));
+    mapped_.detected = features::detect_features(picture_, detect_options(options_, drawing_));
     if (options_.max_turning > 0) drop_winding(options_.max_turning, mapped_.detected);
     log_.progress.detected = &mapped_.detected;
     log_.report.chains = mapped_.detected.chains.size();
@@ -73,24 +71,30 @@ class Mapping {
   /// Once more whenever features turn out to cost more than they may.
   void map() {
     if (!mapped_.detected.chains.empty()) limit_features(expected_functions(mapped_.detected));
+    fair();
     for (;;) {
-      fair();
       if (mapped_.has_features()) {
         const double functions = functions_of_polylines();
         log_.lap("parametrize");
-        if (be_coarser(functions) || limit_features(functions)) continue;
+        if (be_coarser(functions)) continue;
+        if (limit_features(functions)) {
+          fair();
+          continue;
+        }
         correct_colours();
       }
       parametrize();
       if (!mapped_.has_features() ||
           !limit_features(expected_functions(EditableMesh(mapped_.knots), options_.degree)))
         break;
+      fair();
     }
   }
 
  private:
   void fair() {
     mapped_.faired = mapped_.detected;
+    log_.report.corners = 0;
     if (!mapped_.has_features()) return;
     if (options_.fairing) features::fair_chains(mapped_.faired, options_.fair);
     if (options_.corner_detection)
@@ -176,6 +180,7 @@ class Mapping {
 
   const image::Image& picture_;
   const Options& options_;
+  bool drawing_;
   param::ParametrizeOptions parametrize_;
   FeatureShares shares_;
   std::size_t max_functions_;

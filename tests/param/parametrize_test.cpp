@@ -126,6 +126,24 @@ TEST(Parametrize, CornersAreVerticesAndCurvesGoBeyondTheirPixels) {
   }
 }
 
+TEST(Parametrize, EndsOfCurvesGoBeyondTheirPixelsToo) {
+  ChainBuilder b(80, 60);
+  ASSERT_TRUE(b.add({{10.5, 10.5}, {40.5, 30.5}}));
+  ASSERT_TRUE(b.add({{70.5, 20.5}, {60.5, 45.5}}));
+  FeatureChains chains = b.chains;
+  for (features::Chain& chain : chains.chains) {
+    chain.points.front().beyond = {0.5, 1.25};
+    chain.points.back().beyond = {-0.75, 1};
+  }
+  const Parametrization p = run_sound(chains);
+  ASSERT_EQ(p.curve_samples.size(), chains.chains[0].points.size() + chains.chains[1].points.size());
+  std::size_t i = 0;
+  for (const features::Chain& chain : chains.chains) {
+    for (const features::ChainPoint& point : chain.points)
+      EXPECT_EQ(p.curve_samples[i++].position, point.on_curve());
+  }
+}
+
 TEST(Parametrize, ItDoesNotMatterWhereAClosedChainStarts) {
   ChainBuilder b(120, 120);
   ASSERT_TRUE(b.add(arc({60.3, 58.9}, 33), true));
