@@ -22,6 +22,8 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
   vectorize::Vectorization made = vectorize::vectorize_picture(picture, options, observer);
   const auto cold = std::make_shared<ColdFrame>();
   FittedFrame& frame = cold->frame;
+  frame.limits = {made.report.feature_share, made.report.chains_over_budget > 0,
+                  made.report.strong_over_budget};
   frame.space = made.model.space;
   frame.displacement = std::move(made.model.displacement);
   frame.edge_softness = made.model.edge_softness;

@@ -11,8 +11,16 @@
 
 namespace knotreel::track {
 
+/// What features of a drawn frame may cost, and which of them were left out for that.
+struct FeatureLimits {
+  double share = 0;  ///< as vectorize::Report
+  bool weak_dropped = false;
+  bool strong_dropped = false;
+};
+
 /// A frame and the surface that was fitted to it.
 struct FittedFrame {
+  FeatureLimits limits;                                 ///< if it is drawn
   std::shared_ptr<const spline::SplineSpace> space;
   std::vector<Vec2> displacement;
   double edge_softness = 0;                             ///< as document::FrameModel

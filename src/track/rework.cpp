@@ -42,7 +42,7 @@ bool Rework::take_new_features() {
 }
 
 KnotMesh Rework::for_next_frame(const ReworkInput& input, double mec, bool urgent, const ReworkLog& log) {
-  grow_group(mec, input.most_functions);
+  if (input.is_drawn ? input.is_missed : mec > options_.grow_above * cold_.mec) grow_group(input.most_functions);
   ++since_births_;
   if (++since_rework_ < options_.rework_interval && !urgent) return input.mesh;
   since_rework_ = 0;
@@ -57,7 +57,7 @@ KnotMesh Rework::rework(const ReworkInput& input, bool urgent, const ReworkLog& 
   EditableMesh mesh(next, log.next_id);
   const double functions_before = vectorize::expected_functions(mesh, cold_.degree);
   std::vector<KnotIndex> born;
-  if (!urgent) born = add_features(input, errors, mesh, log);
+  if (!urgent && !input.is_drawn) born = add_features(input, errors, mesh, log);
   log.laps.lap("births");
   refill(input, errors, urgent, mesh, born,
          vectorize::expected_functions(mesh, cold_.degree) - functions_before, log);
@@ -100,8 +100,8 @@ std::vector<KnotIndex> Rework::add_features(const ReworkInput& input, std::span<
 
 /// A group gets more control points while the error is above what is asked for and the bound leaves room:
 /// the content has become harder. A cold frame would have used them.
-void Rework::grow_group(double mec, std::size_t most_functions) {
-  if (options_.growth <= 0 || mec <= options_.grow_above * cold_.mec) return;
+void Rework::grow_group(std::size_t most_functions) {
+  if (options_.growth <= 0) return;
   const double more = std::max(kFunctionsOfKnot, options_.growth * static_cast<double>(group_functions_));
   const std::size_t grown = group_functions_ + static_cast<std::size_t>(more);
   group_functions_ = std::max(group_functions_, std::min(grown, most_functions));
@@ -116,11 +116,13 @@ void Rework::refill(const ReworkInput& input, std::span<const float> errors, boo
   const double per_knot = functions / static_cast<double>(frame.space->mesh().knots.size());
   const double wanted = std::min(static_cast<double>(group_functions_),
                                  (1 - kBoundLeeway) * static_cast<double>(input.most_functions));
-  const double missing = (wanted - functions - born_functions) / per_knot;
+  double missing = (wanted - functions - born_functions) / per_knot;
+  // Features come and go there, and what they leave need not be filled.
+  if (input.is_drawn && !input.is_missed) missing = std::min(missing, 0.0);
   const std::size_t removed =
       knots::remove_idle_knots(mesh, input.target, knots::sorted_face_errors(mesh, errors, width, height),
                                urgent ? options_.urgent_swap : options_.swap,
-                               born.empty() ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
+                               born.empty() && !input.is_drawn ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
   log.changes.swapped += removed;
   knots::RefineOptions refine;
   refine.max_knots = static_cast<std::size_t>(std::max(0.0, missing + static_cast<double>(removed)));

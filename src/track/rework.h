@@ -20,6 +20,8 @@ struct ReworkInput {
   const knots::Target& target;     ///< of the picture as it came
   const motion::Rest& rest;        ///< of the video, as of this picture
   std::size_t most_functions = 0;  ///< of any frame
+  bool is_drawn = false;           ///< its features are found anew in each frame
+  bool is_missed = false;          ///< it is above the error that is good enough, or something is left out
 };
 
 /// What a rework counts and hands out.
@@ -57,7 +59,7 @@ class Rework {
                                             mesh::EditableMesh& mesh, const ReworkLog& log);
   void refill(const ReworkInput& input, std::span<const float> errors, bool urgent, mesh::EditableMesh& mesh,
               const std::vector<mesh::KnotIndex>& born, double born_functions, const ReworkLog& log) const;
-  void grow_group(double mec, std::size_t most_functions);
+  void grow_group(std::size_t most_functions);
 
   vectorize::Options cold_;
   TrackOptions options_;

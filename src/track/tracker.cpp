@@ -10,6 +10,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"
+#include "knotreel/features/flat_share.h"
 #include "knotreel/knots/block_errors.h"
 #include "knotreel/knots/idle_knots.h"
 #include "knotreel/raster/edge_softness.h"
@@ -21,6 +22,7 @@
 #include "track/cold_frame.h"
 #include "track/colour_coarseness.h"
 #include "track/difficulty.h"
+#include "track/drawn_features.h"
 #include "track/fit_watch.h"
 #include "track/fitted_frame.h"
 #include "track/foresee.h"
@@ -29,6 +31,7 @@
 #include "track/matching.h"
 #include "track/new_knots.h"
 #include "track/quality.h"
+#include "track/redraw_mesh.h"
 #include "track/resting_knots.h"
 #include "track/rework.h"
 #include "track/snap.h"
@@ -131,6 +134,7 @@ class Tracker::Impl {
       }
       const bool look = misses_thresholds() && watch_.is_time_to_look(report.psnr);
       cold = look ? better_cold_frame(picture) : nullptr;
+      if (getenv("DBG")) fprintf(stderr, "warm %.2f mec %.2f functions %zu segs %zu knots %zu free %ld rep %d look %d cold %d: %zu segs %zu share %.1f\n", report.psnr, report.mec, frame_.space->function_count(), frame_.space->mesh().segments.size(), frame_.space->mesh().knots.size(), std::count_if(frame_.space->mesh().knots.begin(), frame_.space->mesh().knots.end(), [](auto& k) { return k.kind == mesh::KnotKind::kFree; }), report.changes.repairs, look, cold != nullptr, cold ? cold->frame.space->function_count() : 0, cold ? cold->frame.space->mesh().segments.size() : 0, frame_.limits.share);
       if (cold) {
         report.start = Start::kDrift;
         report.survival = 0;  // what was done before was in vain
@@ -217,6 +221,9 @@ class Tracker::Impl {
   void make_warm(const image::Image& picture, const Motion& motion) {
     rework_last();
     rest_.add(motion.unchanged);
+    const bool is_drawn = cold_.if_drawn && features::is_drawing(picture);
+    drawn_ = is_drawn ? std::make_unique<DrawnFeatures>(picture, *cold_.if_drawn, most_functions_, frame_.limits) : nullptr;
+    if (is_drawn) laps_->lap("features");
     KnotMesh carried;
     std::optional<LinkMemory> links;
     std::optional<FaceErrors> errors_before;
@@ -228,17 +235,24 @@ class Tracker::Impl {
                       links.emplace(*frame_.space);
                     });
     laps_->lap("carry");
-    carried = refilled(carried, *errors_before);
+    if (!drawn_) carried = refilled(carried, *errors_before);
     laps_->lap("foresee");
     frame_before_ = handed_over(frame_);
+    if (drawn_) frame_.limits = drawn_->limits();
     take_over(carried, *links);
-    bend_curves(*motion.now);
+    if (drawn_) {
+      draw_curves();
+    } else {
+      bend_curves(*motion.now);
+    }
     fit(picture, motion);
     measure();
     // Curves that were left alone may be why: they are bent in all frames for a while.
     if (since_bend_ > 0 && watch_.has_fallen(report_->psnr)) frames_to_bend_ = kFramesToBend;
     for (int pass = 0; pass < options_.most_repairs && watch_.needs_repair(report_->psnr); ++pass) {
+      if (drawn_ && !misses_thresholds()) break;
       take_over(rework_.at_once(rework_input(), rework_log()), LinkMemory(*frame_.space));
+      if (drawn_) draw_curves();
       fit(picture, motion);
       measure();
       ++report_->changes.repairs;
@@ -261,6 +275,11 @@ class Tracker::Impl {
   KnotMesh carried_mesh(const Motion& motion) {
     const std::vector<Vec2> points = image_positions(*frame_.basis, frame_.displacement, next_mesh_);
     std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
+    if (drawn_) {
+      next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
+      return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry, next_id_,
+                         report_->changes.carry);
+    }
     SnapResult snapped = snap_to_edges(*frame_.basis, frame_.displacement, next_mesh_, moves,
                                        frame_.seen.picture, *motion.before, *motion.now);
     const std::vector<std::uint8_t> rests = resting_knots(next_mesh_, rest_);
@@ -372,9 +391,15 @@ class Tracker::Impl {
     laps_->lap("geometry");
   }
 
+  void draw_curves() {
+    if (!frame_.space->mesh().segments.empty())
+      frame_.displacement = drawn_->displacement(*frame_.basis, options_.displacement_step);
+    laps_->lap("geometry");
+  }
+
   void fit(const image::Image& picture, const Motion& motion) {
     frame_.colour_step = options_.colour_step * options_.delta_coarseness * coarseness_.factor();
-    fit_warm_frame(frame_before_, {picture, motion, match_, cold_.colour, options_}, frame_, *laps_);
+    fit_warm_frame(frame_before_, {picture, motion, match_, cold_.colour, options_, drawn_ ? cold_.if_drawn->mixed_weight : 0}, frame_, *laps_);
   }
 
   /// What the mesh is reworked by, once there is a next frame: this one need not wait for that.
@@ -397,7 +422,7 @@ class Tracker::Impl {
         });
   }
 
-  ReworkInput rework_input() const { return {frame_, mesh_, *target_, rest_, most_functions_}; }
+  ReworkInput rework_input() const { return {frame_, mesh_, *target_, rest_, most_functions_, drawn_ != nullptr, drawn_ && misses_thresholds()}; }
   ReworkLog rework_log() { return {report_->changes, *laps_, next_id_}; }
 
   document::FrameModel model(const image::Image& picture, bool keyframe) const {
@@ -429,6 +454,7 @@ class Tracker::Impl {
   std::vector<std::uint32_t> match_;  ///< of the functions of the frame with those of the one before
   FittedFrame frame_before_;
   Rework rework_;
+  std::unique_ptr<DrawnFeatures> drawn_;   ///< of a drawn frame that is made from the one before
   std::unique_ptr<knots::Target> target_;  ///< of the last picture
   std::optional<double> difficulty_;       ///< of that
   std::uint32_t next_id_ = 0;

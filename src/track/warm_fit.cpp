@@ -8,6 +8,7 @@
 #include "track/local_error.h"
 #include "track/matching.h"
 #include "track/temporal_target.h"
+#include "vectorize/mixed_pixels.h"
 
 namespace knotreel::track {
 
@@ -63,6 +64,17 @@ std::vector<double> reluctance_to_change(const FittedFrame& before, const Fitted
   return result;
 }
 
+/// With no colours yet.
+document::FrameModel model_of(const FittedFrame& frame, int channels) {
+  document::FrameModel model;
+  model.space = frame.space;
+  model.displacement = frame.displacement;
+  model.channels = channels;
+  model.colour.resize(frame.space->function_count() * static_cast<std::size_t>(channels), 0);
+  model.edge_softness = frame.edge_softness;
+  return model;
+}
+
 }  // namespace
 
 void fit_warm_frame(const FittedFrame& before, const WarmFit& how, FittedFrame& frame, Laps& laps) {
@@ -77,6 +89,13 @@ void fit_warm_frame(const FittedFrame& before, const WarmFit& how, FittedFrame& 
                       how.options.temporal_weight, tiles_to_fit(frame.values(), settled));
   fit::Pixels pixels = frame.seen.view();
   pixels.image = &wanted;
+  fit::MixedPixels mixed;
+  if (how.mixed_weight > 0 && !frame.space->mesh().segments.empty()) {
+    mixed = vectorize::mixed_pixels(model_of(frame, how.picture.channels), frame.basis, how.picture,
+                                    how.mixed_weight);
+    laps.lap("mixed");
+    pixels.mixed = &mixed;
+  }
   const std::vector<double> start = colours_before(before, how.match);
   const std::vector<double> reluctance = reluctance_to_change(before, frame, how.options);
   fit::ColourFitOptions colour = how.colour;

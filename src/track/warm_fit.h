@@ -18,6 +18,7 @@ struct WarmFit {
   std::span<const std::uint32_t> match;  ///< of the functions with those of the frame before
   const fit::ColourFitOptions& colour;
   const TrackOptions& options;
+  double mixed_weight = 0;  ///< as vectorize::Options
 };
 
 /// Finds the places of the pixels and the colours of a frame whose space, displacement, basis, softness and

@@ -10,26 +10,17 @@
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/fit/pixel_places.h"
 #include "knotreel/fit/squared_errors.h"
-#include "knotreel/image/two_colours.h"
 #include "knotreel/raster/edge_softness.h"
-#include "knotreel/raster/mixed_pixels.h"
+#include "vectorize/mixed_pixels.h"
 
 namespace knotreel::vectorize {
 
 namespace {
 
-// Of the weight of mixed pixels, where edges come in steps: there a pixel tells its own colour, no mixture.
-constexpr double kShareOfSteps = 0.3;
-
 // In place of Options::unfold, where the geometry is not to stay.
 constexpr double kQuickUnfold = 0.7;
 
 using BasisPointer = std::shared_ptr<const spline::Basis>;
-
-bool is_stepped(const image::Image& picture, int x, int y) {
-  return x > 0 && y > 0 && x + 1 < picture.width && y + 1 < picture.height &&
-         image::has_two_colours(picture, x - 1, y - 1);
-}
 
 /// Goes over to the space as documents have it.
 void store_space(int knot_bits, std::size_t channels, fit::ColourSurface& surface) {
@@ -64,22 +55,6 @@ std::vector<std::uint8_t> finish_geometry(const spline::Basis& basis, const Opti
   return crossed;
 }
 
-/// The pixels that features cross, as they will be drawn.
-fit::MixedPixels mixed_pixels(const BasisPointer& basis, const Draft& draft, const image::Image& picture,
-                              const Options& options) {
-  fit::MixedPixels mixed = raster::mixed_pixels(draft.model(picture.channels), basis);
-  const auto channels = static_cast<std::size_t>(picture.channels);
-  const auto width = static_cast<std::size_t>(picture.width);
-  for (const std::uint32_t pixel : mixed.pixels) {
-    const auto x = static_cast<int>(pixel % width);
-    const auto y = static_cast<int>(pixel / width);
-    mixed.weights.push_back(options.mixed_weight * (is_stepped(picture, x, y) ? kShareOfSteps : 1.0));
-    const float* const colour = &picture.samples[pixel * channels];
-    mixed.colours.insert(mixed.colours.end(), colour, colour + channels);
-  }
-  return mixed;
-}
-
 /// The last geometry, and the colours of all pixels where it puts them. @return the pixels that features
 /// cross.
 std::vector<std::uint8_t> fit_as_drawn(const BasisPointer& basis, const Options& options, Samples& samples,
@@ -88,7 +63,8 @@ std::vector<std::uint8_t> fit_as_drawn(const BasisPointer& basis, const Options&
   if (samples.has_features()) crossed = finish_geometry(*basis, options, samples, log, draft);
   fit::MixedPixels mixed;
   if (samples.has_features() && options.mixed_weight > 0) {
-    mixed = mixed_pixels(basis, draft, samples.picture(), options);
+    const image::Image& picture = samples.picture();
+    mixed = mixed_pixels(draft.model(picture.channels), basis, picture, options.mixed_weight);
     log.lap("mixed");
   }
   fit_all_pixels(*basis, samples, options.colour, draft, &mixed);

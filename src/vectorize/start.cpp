@@ -20,7 +20,9 @@ constexpr double kNoLimit = 2;  // that pixels tell of is up to twice what strai
 std::unique_ptr<Start> start_with(const image::Image& picture, const Options& options,
                                   std::size_t max_functions, RunLog& log) {
   auto start = std::make_unique<Start>();
+  log.report.feature_share = options.feature_share;
   map_features(picture, options, max_functions, log, start->mapped);
+  log.report.strong_over_budget = start->mapped.over_share;
   start->target.emplace(make_target(picture, start->mapped));
   log.lap("resample");
   start->mesh.emplace(start->mapped.knots);

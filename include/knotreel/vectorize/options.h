@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 
 #include "knotreel/document/writer.h"
 #include "knotreel/features/colour_correction.h"
@@ -86,6 +87,9 @@ struct Options {
   bool half_rows = true;  ///< rounds and descent look at pairs of rows: about half the time, -0.1 dB
   int descent_steps = 2;  ///< on the true residual; >= 0; 0: none
   bool descend_along_curves = false;  ///< knots on features move, too: fit::DescentOptions::along_curves
+
+  /// For drawings (features::is_drawing()), in place of all the others; null: these.
+  std::shared_ptr<const Options> if_drawn;
 
   /// The last fit is to knots and displacements as keyframes of documents have them; ranges as there.
   int knot_bits = document::EncodeOptions{}.knot_bits;

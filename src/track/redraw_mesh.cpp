@@ -1,0 +1,204 @@
+#include "track/redraw_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+#include <vector>
+
+#include "knotreel/mesh/triangulate.h"
+
+namespace knotreel::track {
+namespace {
+
+using mesh::KnotId;
+using mesh::KnotIndex;
+using mesh::KnotKind;
+using mesh::KnotMesh;
+
+constexpr double kSamePlace = 2.5;  // pixels between a vertex and where the one before should be
+constexpr double kCell = 8;         // of the grids that near things are found by, pixels
+constexpr KnotIndex kNone = 0xffffffffU;
+
+/// Things by the cells of a grid that they reach.
+class Grid {
+ public:
+  Grid(double width, double height)
+      : columns_(std::size_t(width / kCell) + 1), rows_(std::size_t(height / kCell) + 1), cells_(columns_ * rows_) {}
+
+  void add(Vec2 low, Vec2 high, std::uint32_t thing) {
+    each(low, high, [&](std::vector<std::uint32_t>& cell) { cell.push_back(thing); });
+  }
+  /// Some more than once.
+  template <typename Visit>
+  void near(Vec2 p, double distance, const Visit& visit) {
+    each(p - Vec2{distance, distance}, p + Vec2{distance, distance}, [&](const std::vector<std::uint32_t>& cell) {
+      for (const std::uint32_t thing : cell) visit(thing);
+    });
+  }
+
+ private:
+  template <typename Each>
+  void each(Vec2 low, Vec2 high, const Each& act) {
+    const auto index = [](double v, std::size_t count) {
+      return std::min(static_cast<std::size_t>(std::max(0.0, v / kCell)), count - 1);
+    };
+    for (std::size_t row = index(low.y, rows_); row <= index(high.y, rows_); ++row) {
+      for (std::size_t column = index(low.x, columns_); column <= index(high.x, columns_); ++column)
+        act(cells_[row * columns_ + column]);
+    }
+  }
+
+  std::size_t columns_;
+  std::size_t rows_;
+  std::vector<std::vector<std::uint32_t>> cells_;
+};
+
+double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
+  const Vec2 along = b - a;
+  const double square = dot(along, along);
+  const double t = square > 0 ? std::clamp(dot(p - a, along) / square, 0.0, 1.0) : 0;
+  return norm(p - (a + t * along));
+}
+
+using Ends = std::pair<std::uint32_t, std::uint32_t>;  ///< ids
+
+class Redrawing {
+ public:
+  Redrawing(const KnotMesh& features, const KnotMesh& before, std::span<const Vec2> targets,
+            std::uint32_t& next_id)
+      : before_(before), targets_(targets), next_id_(next_id), mesh_(features) {
+    mesh_.faces.clear();
+  }
+
+  KnotMesh mesh(const CarryOptions& options, CarryReport& report) {
+    name_vertices();
+    name_segments();
+    add_free_knots(options.min_distance, report);
+    mesh::triangulate(mesh_);
+    return std::move(mesh_);
+  }
+
+ private:
+  /// Each vertex gets the name of the one before that is nearest, if it is the nearest to that, too.
+  void name_vertices() {
+    Grid grid(mesh_.width, mesh_.height);
+    for (KnotIndex k = 0; k < before_.knots.size(); ++k) {
+      if (before_.knots[k].kind == KnotKind::kVertex) grid.add(targets_[k], targets_[k], k);
+    }
+    struct Pair {
+      double distance;
+      KnotIndex knot;
+      KnotIndex old;
+    };
+    std::vector<Pair> pairs;
+    for (KnotIndex k = 0; k < mesh_.knots.size(); ++k) {
+      if (mesh_.knots[k].kind != KnotKind::kVertex) continue;
+      const Vec2 p = mesh_.knots[k].position;
+      grid.near(p, kSamePlace, [&](KnotIndex old) {
+        const double distance = norm(targets_[old] - p);
+        if (distance <= kSamePlace) pairs.push_back({distance, k, old});
+      });
+    }
+    std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
+      return std::tie(a.distance, a.knot, a.old) < std::tie(b.distance, b.knot, b.old);
+    });
+    std::vector<bool> named(mesh_.knots.size(), false);
+    std::vector<bool> used(before_.knots.size(), false);
+    for (const Pair& pair : pairs) {
+      if (named[pair.knot] || used[pair.old]) continue;
+      named[pair.knot] = used[pair.old] = true;
+      mesh_.knots[pair.knot].id = before_.knots[pair.old].id;
+    }
+    for (KnotIndex k = 0; k < mesh_.knots.size(); ++k) {
+      if (mesh_.knots[k].kind == KnotKind::kVertex && !named[k]) mesh_.knots[k].id = KnotId{next_id_++};
+    }
+  }
+
+  std::uint32_t id(const KnotMesh& mesh, KnotIndex k) const { return static_cast<std::uint32_t>(mesh.knots[k].id); }
+
+  /// Knots inside segments between the same vertices as before, and as many, have their names.
+  void name_segments() {
+    std::map<Ends, const mesh::FeatureSegment*> known;
+    for (const mesh::FeatureSegment& s : before_.segments)
+      known.emplace(Ends{id(before_, s.knots.front()), id(before_, s.knots.back())}, &s);
+    for (const mesh::FeatureSegment& s : mesh_.segments) {
+      const Ends ends{id(mesh_, s.knots.front()), id(mesh_, s.knots.back())};
+      const auto same = known.find(ends);
+      const auto turned = same == known.end() ? known.find({ends.second, ends.first}) : known.end();
+      const auto found = same != known.end() ? same : turned;
+      const std::size_t n = s.knots.size();
+      const bool is_same = found != known.end() && found->second->knots.size() == n;
+      for (std::size_t i = 1; i + 1 < n; ++i) {
+        if (is_same) {
+          const auto& old = found->second->knots;
+          mesh_.knots[s.knots[i]].id = before_.knots[old[found == turned ? n - 1 - i : i]].id;
+        } else {
+          mesh_.knots[s.knots[i]].id = KnotId{next_id_++};
+        }
+      }
+      if (is_same) known.erase(found);
+    }
+  }
+
+  void add_free_knots(double least, CarryReport& report) {
+    Grid pieces(mesh_.width, mesh_.height);
+    Grid knots(mesh_.width, mesh_.height);
+    std::vector<std::pair<KnotIndex, KnotIndex>> ends;
+    for (const mesh::FeatureSegment& s : mesh_.segments) {
+      const Vec2 a = mesh_.knots[s.knots.front()].position;
+      const Vec2 b = mesh_.knots[s.knots.back()].position;
+      // Long ones in pieces, so that they do not reach all cells of their box.
+      const int count = 1 + static_cast<int>(norm(b - a) / (2 * kCell));
+      for (int i = 0; i < count; ++i) {
+        const Vec2 p = a + (static_cast<double>(i) / count) * (b - a);
+        const Vec2 q = a + (static_cast<double>(i + 1) / count) * (b - a);
+        pieces.add({std::min(p.x, q.x), std::min(p.y, q.y)}, {std::max(p.x, q.x), std::max(p.y, q.y)},
+                   static_cast<std::uint32_t>(ends.size()));
+      }
+      ends.emplace_back(s.knots.front(), s.knots.back());
+    }
+    for (KnotIndex k = 0; k < mesh_.knots.size(); ++k) knots.add(mesh_.knots[k].position, mesh_.knots[k].position, k);
+    for (KnotIndex k = 0; k < before_.knots.size(); ++k) {
+      const KnotKind kind = before_.knots[k].kind;
+      if (kind != KnotKind::kFree && kind != KnotKind::kBorder) continue;
+      const Vec2 p = targets_[k];
+      bool fits = p.x >= 0 && p.y >= 0 && p.x <= mesh_.width && p.y <= mesh_.height;
+      const bool on_border = mesh::on_side(mesh_, p);
+      if (kind == KnotKind::kFree) {
+        fits = fits && p.x >= least && p.y >= least && p.x <= mesh_.width - least && p.y <= mesh_.height - least;
+      } else {
+        fits = fits && on_border;
+      }
+      if (fits) pieces.near(p, least, [&](std::uint32_t s) {
+        fits = fits && distance_to_segment(p, mesh_.knots[ends[s].first].position,
+                                           mesh_.knots[ends[s].second].position) >= least;
+      });
+      if (fits) knots.near(p, least, [&](KnotIndex other) {
+        fits = fits && norm(mesh_.knots[other].position - p) >= least;
+      });
+      if (!fits) {
+        ++report.removed;
+        continue;
+      }
+      report.moved += p != before_.knots[k].position ? 1 : 0;
+      knots.add(p, p, static_cast<KnotIndex>(mesh_.knots.size()));
+      mesh_.knots.push_back({p, kind, before_.knots[k].id});
+    }
+  }
+
+  const KnotMesh& before_;
+  std::span<const Vec2> targets_;
+  std::uint32_t& next_id_;
+  KnotMesh mesh_;
+};
+
+}  // namespace
+
+KnotMesh redraw_mesh(const KnotMesh& features, const KnotMesh& before, std::span<const Vec2> targets,
+                     const CarryOptions& options, std::uint32_t& next_id, CarryReport& report) {
+  return Redrawing(features, before, targets, next_id).mesh(options, report);
+}
+
+}  // namespace knotreel::track

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <cstdint>
+#include <span>
+
+#include "knotreel/mesh/knot_mesh.h"
+#include "knotreel/track/carry_mesh.h"
+
+namespace knotreel::track {
+
+/// A mesh with the features of a new picture, and between them the free knots of the frame before, where the
+/// motion takes them. Knots of features that are where ones of the frame before would be keep their ids.
+/// @param features their knots and those of the domain; ids do not matter.
+/// @param before   sound. @param targets by knot of it, as knot_targets() gives them.
+/// @param next_id  least id of knots to come; goes on.
+/// @return a sound mesh.
+mesh::KnotMesh redraw_mesh(const mesh::KnotMesh& features, const mesh::KnotMesh& before,
+                           std::span<const Vec2> targets, const CarryOptions& options, std::uint32_t& next_id,
+                           CarryReport& report);
+
+}  // namespace knotreel::track

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <memory>
+
+#include "knotreel/document/frame_model.h"
+#include "knotreel/fit/mixed_pixels.h"
+#include "knotreel/image/image.h"
+#include "knotreel/spline/basis.h"
+
+namespace knotreel::vectorize {
+
+/// The pixels that features cross, as they will be drawn, with their colours (docs/decisions/0038).
+/// @param model its colours do not matter. @param basis of its space. @param weight of each, above 0; less
+/// where edges come in steps.
+fit::MixedPixels mixed_pixels(const document::FrameModel& model,
+                              const std::shared_ptr<const spline::Basis>& basis, const image::Image& picture,
+                              double weight);
+
+}  // namespace knotreel::vectorize
