@@ -12,9 +12,6 @@ namespace knotreel::track {
 namespace {
 
 // Weights, relative to that of a point of a curve.
-constexpr double kStiffness = 3;     // of the difference of two neighbours' changes over their distance
-constexpr double kElasticity = 0.3;  // of that of their displacements
-constexpr double kInertia = 0.05;    // of the change of a control point
 constexpr double kScreen = 0.005;    // of its displacement, if it reaches a curve
 constexpr double kAway = 0.5;        // more of that, if it does not and its neighbours are far away
 constexpr double kFar = 2;           // pixels to the nearest of them, for half of it
@@ -44,8 +41,9 @@ std::vector<NetEdge> net_edges(const spline::SplineSpace& space) {
 class ElasticSheet {
  public:
   ElasticSheet(const spline::Basis& basis, std::span<const fit::CurvePoint> points,
-               std::span<const Vec2> displacement, std::span<const std::uint8_t> held)
-      : space_(basis.space()),
+               std::span<const Vec2> displacement, std::span<const std::uint8_t> held, const Sheet& sheet)
+      : sheet_(sheet),
+        space_(basis.space()),
         before_(displacement.begin(), displacement.end()),
         held_(held),
         sites_(space_.geometry_greville()),
@@ -75,8 +73,8 @@ class ElasticSheet {
     };
     for (const auto& [a, b] : edges_) {
       const Vec2 d = sites_[a] - sites_[b];
-      const double stiffness = kStiffness / (dot(d, d) + 1);  // never much more than a point
-      const double weight = stiffness + kElasticity / (dot(d, d) + 1);
+      const double stiffness = sheet_.stiffness / (dot(d, d) + 1);  // never much more than a point
+      const double weight = stiffness + sheet_.elasticity / (dot(d, d) + 1);
       const Vec2 difference = before_[a] - before_[b];
       const int i = row_of_[a];
       const int j = row_of_[b];
@@ -90,8 +88,8 @@ class ElasticSheet {
     }
     for (int i = 0; i < static_cast<int>(n); ++i) {
       const std::uint32_t g = groups_[static_cast<std::size_t>(i)];
-      entries.emplace_back(i, i, kInertia + screen(g));
-      pull(i, kInertia, before_[g]);
+      entries.emplace_back(i, i, sheet_.inertia + screen(g));
+      pull(i, sheet_.inertia, before_[g]);
     }
     Eigen::SparseMatrix<double> matrix(n, n);
     matrix.setFromTriplets(entries.begin(), entries.end());
@@ -164,6 +162,7 @@ class ElasticSheet {
     }
   }
 
+  Sheet sheet_;
   const spline::SplineSpace& space_;
   std::vector<Vec2> before_;
   std::span<const std::uint8_t> held_;
@@ -180,10 +179,10 @@ class ElasticSheet {
 }  // namespace
 
 void bend_geometry(const spline::Basis& basis, std::span<const fit::CurvePoint> points,
-                   std::vector<Vec2>& displacement, std::span<const std::uint8_t> held) {
-  const ElasticSheet sheet(basis, points, displacement, held);
-  sheet.solve(displacement);
-  sheet.fade_others(displacement);
+                   std::vector<Vec2>& displacement, std::span<const std::uint8_t> held, const Sheet& sheet) {
+  const ElasticSheet elastic(basis, points, displacement, held, sheet);
+  elastic.solve(displacement);
+  elastic.fade_others(displacement);
 }
 
 }  // namespace knotreel::track

@@ -2,8 +2,9 @@
 
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/fit/geometry_fit.h"
+#include "track/bend_geometry.h"
 #include "vectorize/run_log.h"
-#include "vectorize/feature_budget.h"
+#include "vectorize/samples.h"
 
 namespace knotreel::track {
 namespace {
@@ -11,30 +12,30 @@ namespace {
 // Of the shares of features: so much more until the first are left out, and less until they are back.
 constexpr double kSlack = 0.3;
 
+// Curves go where they were found, and what is around them gives way.
+constexpr Sheet kYielding{.stiffness = 0, .elasticity = 0.03, .inertia = 0.001};
+
 }  // namespace
 
 DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Options& options,
-                             std::size_t most_functions, const FeatureLimits& before)
-    : options_(options) {
+                             std::size_t most_functions, const FeatureLimits& before) {
   const auto slack = [](bool dropped) { return dropped ? 1 - kSlack : 1 + kSlack; };
-  options_.feature_share = slack(before.strong_dropped) * before.share;
-  options_.drawn_weak_share *= slack(before.weak_dropped);
+  vectorize::Options limited = options;
+  limited.feature_share = slack(before.strong_dropped) * before.share;
+  limited.drawn_weak_share *= slack(before.weak_dropped);
   const vectorize::Observer nobody;
   vectorize::RunLog log(picture, nobody);
   log.begin_round("features");
-  vectorize::map_features(picture, options_, most_functions, log, mapped_);
-  if (getenv("DBG")) fprintf(stderr, "chains %zu dropped %zu strong %d before %d %d functions of mesh %.0f\n", log.report.chains, log.report.chains_over_budget, mapped_.over_share, before.weak_dropped, before.strong_dropped, vectorize::expected_functions(mesh::EditableMesh(mapped_.knots), 2));
+  vectorize::map_curves(picture, limited, most_functions, log, mapped_);
+  if (getenv("DBG2")) for (auto& [n, ms] : log.round().milliseconds) fprintf(stderr, "lap %s %.2f\n", n.c_str(), ms);
   limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share};
-  samples_ = std::make_unique<vectorize::Samples>(picture, mapped_, false);
 }
 
-std::vector<Vec2> DrawnFeatures::displacement(const spline::Basis& basis, double step) const {
-  const image::Image& picture = samples_->picture();
-  const spline::PixelValues values(basis, picture.width, picture.height, samples_->places());
-  std::vector<Vec2> result =
-      fit::fit_geometry(values, samples_->places(), samples_->curves(), options_.geometry);
+std::vector<Vec2> DrawnFeatures::displacement(const spline::Basis& basis, double unfold, double step) const {
+  std::vector<Vec2> result(basis.space().geometry_count());
+  bend_geometry(basis, vectorize::curve_points(mapped_.parametrization), result, {}, kYielding);
   document::round_displacement(result, step);
-  fit::unfold_geometry(basis, result, options_.unfold);
+  fit::unfold_geometry(basis, result, unfold);
   document::round_displacement(result, step);
   return result;
 }

@@ -1,8 +1,6 @@
 #pragma once
 
 #include <cstddef>
-#include <memory>
-#include <span>
 #include <vector>
 
 #include "knotreel/image/image.h"
@@ -11,33 +9,29 @@
 #include "knotreel/vectorize/options.h"
 #include "track/fitted_frame.h"
 #include "vectorize/mapped_picture.h"
-#include "vectorize/samples.h"
 
 namespace knotreel::track {
 
 /// The features of a drawn frame, found in its picture as in a picture on its own, for a mesh whose other knots
-/// come from the frame before.
+/// come from the frame before (docs/decisions/0040).
 class DrawnFeatures {
  public:
-  /// @param picture outlives this. @param most_functions control points of the whole model. @param before
-  /// of the frame before: what it left out is left out for longer, and what it has stays for longer.
+  /// @param most_functions control points of the whole model. @param before of the frame before: what it left
+  /// out is left out for longer, and what it has stays for longer.
   DrawnFeatures(const image::Image& picture, const vectorize::Options& options, std::size_t most_functions,
                 const FeatureLimits& before);
 
   /// The knots of the features, and those of the domain.
   const mesh::KnotMesh& knots() const { return mapped_.knots; }
-
   const FeatureLimits& limits() const { return limits_; }
 
   /// Displacements of a space over a mesh with these features, in which their curves are where they were found.
-  /// @param step displacements are multiples of it, pixels.
-  std::vector<Vec2> displacement(const spline::Basis& basis, double step) const;
+  /// @param unfold as vectorize::Options. @param step displacements are multiples of it, pixels.
+  std::vector<Vec2> displacement(const spline::Basis& basis, double unfold, double step) const;
 
  private:
-  vectorize::Options options_;
-  FeatureLimits limits_;
   vectorize::MappedPicture mapped_;
-  std::unique_ptr<vectorize::Samples> samples_;
+  FeatureLimits limits_;
 };
 
 }  // namespace knotreel::track

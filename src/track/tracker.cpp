@@ -393,7 +393,7 @@ class Tracker::Impl {
 
   void draw_curves() {
     if (!frame_.space->mesh().segments.empty())
-      frame_.displacement = drawn_->displacement(*frame_.basis, options_.displacement_step);
+      frame_.displacement = drawn_->displacement(*frame_.basis, cold_.if_drawn->unfold, options_.displacement_step);
     laps_->lap("geometry");
   }
 

@@ -68,6 +68,18 @@ class Mapping {
     log_.show("features");
   }
 
+  /// Where the pixels are is left open. @return whether the polylines make a sound mesh.
+  bool map_curves() {
+    if (!mapped_.detected.chains.empty()) limit_features(expected_functions(mapped_.detected));
+    for (;;) {
+      fair();
+      do {
+        if (!find_polylines()) return false;
+      } while (mapped_.has_features() && be_coarser(functions_of_knots()));
+      if (!mapped_.has_features() || !limit_features(functions_of_knots())) return true;
+    }
+  }
+
   /// Once more whenever features turn out to cost more than they may.
   void map() {
     if (!mapped_.detected.chains.empty()) limit_features(expected_functions(mapped_.detected));
@@ -84,9 +96,7 @@ class Mapping {
         correct_colours();
       }
       parametrize();
-      if (!mapped_.has_features() ||
-          !limit_features(expected_functions(EditableMesh(mapped_.knots), options_.degree)))
-        break;
+      if (!mapped_.has_features() || !limit_features(functions_of_knots())) break;
       fair();
     }
   }
@@ -123,6 +133,26 @@ class Mapping {
       if (e.kind() != ErrorKind::kInvalidArgument) throw;
       return 0;
     }
+  }
+
+  double functions_of_knots() const {
+    return expected_functions(EditableMesh(mapped_.knots), options_.degree);
+  }
+
+  bool find_polylines() {
+    mapped_.parametrization = {};
+    if (mapped_.has_features()) mapped_.parametrization = param::first_polylines(mapped_.faired, parametrize_);
+    mapped_.parametrization.width = picture_.width;
+    mapped_.parametrization.height = picture_.height;
+    log_.report.polyline_vertices = mapped_.parametrization.vertices.size();
+    try {
+      mapped_.knots = initial_mesh(mapped_.parametrization, options_.segment_knot_spacing);
+    } catch (const Error& e) {
+      if (e.kind() != ErrorKind::kInvalidArgument) throw;
+      return false;
+    }
+    log_.lap("polylines");
+    return true;
   }
 
   /// Goes back from the finer polylines of drawings if features would then use up too much.
@@ -195,6 +225,13 @@ void map_features(const image::Image& picture, const Options& options, std::size
   Mapping mapping(picture, options, max_functions, log, mapped);
   mapping.find();
   mapping.map();
+}
+
+void map_curves(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
+                MappedPicture& mapped) {
+  Mapping mapping(picture, options, max_functions, log, mapped);
+  mapping.find();
+  if (!mapping.map_curves()) mapping.map();
 }
 
 knots::Target make_target(const image::Image& picture, const MappedPicture& mapped) {

@@ -32,6 +32,13 @@ std::vector<std::uint32_t> first_segments(const std::vector<param::Polyline>& li
 
 }  // namespace
 
+std::vector<fit::CurvePoint> curve_points(const param::Parametrization& map) {
+  std::vector<fit::CurvePoint> points;
+  points.reserve(map.curve_samples.size());
+  for (const param::CurveSample& s : map.curve_samples) points.push_back({parameter_of(map, s), s.position});
+  return points;
+}
+
 Samples::Samples(const image::Image& picture, MappedPicture& mapped, bool half_rows)
     : picture_(picture), mapped_(mapped) {
   if (mapped.has_features()) {
@@ -62,8 +69,8 @@ void Samples::place_pixels() {
 std::vector<std::uint8_t> Samples::place_curves() {
   const std::vector<std::uint32_t> segments = first_segments(mapped_.parametrization.polylines);
   std::vector<std::uint8_t> crossed(picture_.pixel_count(), 0);
+  curves_ = curve_points(mapped_.parametrization);
   for (const param::CurveSample& s : mapped_.parametrization.curve_samples) {
-    curves_.push_back({parameter_of(mapped_.parametrization, s), s.position});
     curve_segments_.push_back(segments[s.polyline] + s.segment);
     const int x = std::clamp(static_cast<int>(s.position.x), 0, picture_.width - 1);
     const int y = std::clamp(static_cast<int>(s.position.y), 0, picture_.height - 1);

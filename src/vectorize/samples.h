@@ -12,6 +12,9 @@
 
 namespace knotreel::vectorize {
 
+/// Points of features, as the geometry is fitted to them, in the order of the map's curve samples.
+std::vector<fit::CurvePoint> curve_points(const param::Parametrization& map);
+
 /// What surfaces are fitted to: the pixels of a picture and points of its features, with their places in the
 /// domain.
 class Samples {
