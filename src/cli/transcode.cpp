@@ -98,7 +98,7 @@ void add_transcode_command(CLI::App& program) {
   command->option_defaults()->group("Reading");
   add_video_input_options(*command, arguments->run.reading);
   command->option_defaults()->group("Video");
-  add_tracking_options(*command, arguments->run.tracking);
+  add_tracking_options(*command, arguments->run.tracking, arguments->run.no_drawn_frames);
   command->option_defaults()->group("Options");
   add_vectorize_options(*command, arguments->run.options, "2%");
   command->footer(kTranscodeFooter);

@@ -13,7 +13,7 @@ void add_vectorize_video_options(CLI::App& command, VideoRun& run) {
       ->type_name("DIR");
   add_progress_option(command, run.progress);
   add_trace_option(command, run.trace);
-  add_tracking_options(command, run.tracking);
+  add_tracking_options(command, run.tracking, run.no_drawn_frames);
   add_video_input_options(command, run.reading);
   command.option_defaults()->group("Options");
 }

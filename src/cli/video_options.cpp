@@ -76,7 +76,7 @@ void add_trace_option(CLI::App& command, std::string& file) {
       ->type_name("FILE");
 }
 
-void add_tracking_options(CLI::App& command, track::TrackOptions& options) {
+void add_tracking_options(CLI::App& command, track::TrackOptions& options, bool& no_drawn_frames) {
   command.add_flag("!--no-warm-start", options.warm_start,
                    "Make every frame from its picture alone, not from the frame before");
   command
@@ -98,6 +98,10 @@ void add_tracking_options(CLI::App& command, track::TrackOptions& options) {
       ->check(within(0, 1))
       ->type_name("T")
       ->capture_default_str();
+  command.add_flag(
+      "--no-drawn-frames", no_drawn_frames,
+      "Make drawings as film is made: their outlines follow those of the\nframe before, in place of "
+      "being found anew");
 }
 
 video::ReadOptions read_options(const VideoInputOptions& given, int threads) {
@@ -132,6 +136,7 @@ video::WriteOptions write_options(const VideoOutputOptions& given, const std::st
 
 nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
   return {{"warm_start", o.warm_start},
+          {"drawn_frames", o.drawn != nullptr},
           {"temporal_weight", o.temporal_weight},
           {"keyframe_interval", o.keyframe_interval},
           {"scene_threshold", o.scene_threshold},

@@ -45,7 +45,8 @@ video::Deinterlace deinterlace_mode(const std::string& name);
 void add_video_output_options(CLI::App& command, VideoOutputOptions& options);
 void add_progress_option(CLI::App& command, std::string& file);
 void add_trace_option(CLI::App& command, std::string& file);
-void add_tracking_options(CLI::App& command, track::TrackOptions& options);
+/// @param no_drawn_frames drawings are frames like others.
+void add_tracking_options(CLI::App& command, track::TrackOptions& options, bool& no_drawn_frames);
 
 /// @throws Error{kInvalidArgument} for a rate that is none, or an option without "=".
 video::ReadOptions read_options(const VideoInputOptions& given, int threads);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <iterator>
+#include <memory>
 #include <thread>
 
 #include "cli/command.h"
@@ -34,11 +35,11 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kStartBytes = 16;  // of a pipe: tell a picture, and nobody waits for more
 
-vectorize::Options cold_options(const VideoRun& run, std::uint64_t pixels) {
+vectorize::Options picture_options(const VideoRun& run, std::uint64_t pixels) {
   VectorizeOptions given = run.options;
   if (!given.max_control_points)
     given.max_control_points = std::to_string(vectorize::default_video_control_points(pixels));
-  return vectorize::video_options(effective_options(given, pixels, run.tracking.warm_start));
+  return effective_options(given, pixels, run.tracking.warm_start);
 }
 
 nlohmann::ordered_json head_json(const VideoRun& run, const pipeline::Job& job) {
@@ -79,8 +80,12 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
   job.reader = &reader;
   job.source = run.input;
   job.ssim = !run.stats.empty();
-  job.cold = cold_options(run, std::uint64_t(info.width) * std::uint64_t(info.height));
+  const vectorize::Options options =
+      picture_options(run, std::uint64_t(info.width) * std::uint64_t(info.height));
+  job.cold = vectorize::video_options(options);
   job.tracking = run.tracking;
+  if (options.features && !run.no_drawn_frames)
+    job.tracking.drawn = std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(options));
   job.document = run.document;
   job.split_folder = run.split_folder;
   job.video = run.video;

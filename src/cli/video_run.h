@@ -16,6 +16,7 @@ struct VideoRun {
   VideoInputOptions reading;
   VectorizeOptions options;
   track::TrackOptions tracking;
+  bool no_drawn_frames = false;
   std::string document;      ///< empty: none
   std::string split_folder;  ///< empty: none
   pipeline::VideoOutput video;

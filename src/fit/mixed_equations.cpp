@@ -23,7 +23,8 @@ Mixture mixture_of(const spline::ScatteredValues& values, const MixedPixels& mix
     for (std::size_t v = values.begin[place]; v < values.begin[place + 1]; ++v) {
       const spline::FunctionIndex f = values.values[v].function;
       const double value = mixed.shares[place] * values.values[v].value;
-      const auto same = std::find_if(mixture.parts.begin(), mixture.parts.end(), [&](const auto& p) { return p.first == f; });
+      const auto same = std::find_if(mixture.parts.begin(), mixture.parts.end(),
+                                     [&](const auto& p) { return p.first == f; });
       if (same == mixture.parts.end()) {
         mixture.parts.emplace_back(f, value);
       } else {

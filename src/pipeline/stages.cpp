@@ -75,7 +75,8 @@ void Stages::cold(Message& message) {
   timed(failure_, "cold", message, [&] {
     const Urgent urgent(is_awaited(message));
     const auto observer = job_.watch.cold ? job_.watch.cold(message.index) : vectorize::Observer();
-    message.cold = track::make_cold_frame(*message.picture, job_.cold, job_.tracking.colour_step, observer);
+    message.cold = track::make_cold_frame(*message.picture, job_.cold, job_.tracking.drawn.get(),
+                                          job_.tracking.colour_step, observer);
   });
 }
 

@@ -12,11 +12,11 @@ namespace knotreel::track {
 namespace {
 
 // Weights, relative to that of a point of a curve.
-constexpr double kScreen = 0.005;    // of its displacement, if it reaches a curve
-constexpr double kAway = 0.5;        // more of that, if it does not and its neighbours are far away
-constexpr double kFar = 2;           // pixels to the nearest of them, for half of it
-constexpr int kRings = 3;            // of control points around the curves that may change
-constexpr double kFade = 0.125;      // pixels that displacements elsewhere lose: nothing asks for them
+constexpr double kScreen = 0.005;  // of its displacement, if it reaches a curve
+constexpr double kAway = 0.5;      // more of that, if it does not and its neighbours are far away
+constexpr double kFar = 2;         // pixels to the nearest of them, for half of it
+constexpr int kRings = 3;          // of control points around the curves that may change
+constexpr double kFade = 0.125;    // pixels that displacements elsewhere lose: nothing asks for them
 
 using NetEdge = std::pair<std::uint32_t, std::uint32_t>;
 

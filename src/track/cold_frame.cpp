@@ -1,12 +1,25 @@
 #include "track/cold_frame.h"
 
+#include <algorithm>
 #include <chrono>
+#include <functional>
 #include <utility>
+#include <vector>
 
+#include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"
+#include "knotreel/features/flat_share.h"
+#include "knotreel/raster/render.h"
+#include "track/quality.h"
 
 namespace knotreel::track {
 namespace {
+
+// By which a drawing must be better with the options of drawings, since its frames take longer then; dB.
+constexpr double kGainOfDrawing = 0.5;
+// Share of the control points that it may use up: features change from frame to frame, and need room for
+// that.
+constexpr double kMostOfBound = 0.95;
 
 using Clock = std::chrono::steady_clock;
 
@@ -14,16 +27,27 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
+/// Pixels that features cross count, too.
+double psnr_as_drawn(const ColdFrame& cold, const image::Image& picture) {
+  std::vector<float> residual = raster::render(model_of(cold.frame, picture.channels));
+  std::transform(picture.samples.begin(), picture.samples.end(), residual.begin(), residual.begin(),
+                 std::minus());
+  return quality_of(residual, {}, picture).psnr;
+}
+
 }  // namespace
 
-std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const vectorize::Options& options,
-                                           double colour_step, const vectorize::Observer& observer) {
+std::shared_ptr<ColdFrame> cold_frame_with(const vectorize::Options& options, bool is_drawn,
+                                           const image::Image& picture, double colour_step,
+                                           const vectorize::Observer& observer) {
   const Clock::time_point start = Clock::now();
   vectorize::Vectorization made = vectorize::vectorize_picture(picture, options, observer);
   const auto cold = std::make_shared<ColdFrame>();
   FittedFrame& frame = cold->frame;
-  frame.limits = {made.report.feature_share, made.report.chains_over_budget > 0,
-                  made.report.strong_over_budget};
+  if (is_drawn) {
+    frame.drawn = {made.report.feature_share, made.report.chains_over_budget > 0,
+                   made.report.strong_over_budget};
+  }
   frame.space = made.model.space;
   frame.displacement = std::move(made.model.displacement);
   frame.edge_softness = made.model.edge_softness;
@@ -41,6 +65,26 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
   frame.colours.residual = residual_of(frame.seen, *frame.surface);
   cold->milliseconds.emplace_back("measure", milliseconds_since(fitted));
   return cold;
+}
+
+std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const vectorize::Options& options,
+                                           const vectorize::Options* drawn, double colour_step,
+                                           const vectorize::Observer& observer) {
+  if (!drawn || !features::is_drawing(picture))
+    return cold_frame_with(options, false, picture, colour_step, observer);
+  std::shared_ptr<ColdFrame> film;
+  std::shared_ptr<ColdFrame> drawing;
+  const Clock::time_point start = Clock::now();
+  parallel_invoke([&] { film = cold_frame_with(options, false, picture, colour_step, {}); },
+                  [&] { drawing = cold_frame_with(*drawn, true, picture, colour_step, {}); });
+  const double room = kMostOfBound * static_cast<double>(vectorize::most_control_points(*drawn, picture));
+  const bool is_drawn = static_cast<double>(drawing->frame.space->function_count()) <= room &&
+                        psnr_as_drawn(*drawing, picture) >= psnr_as_drawn(*film, picture) + kGainOfDrawing;
+  // What is watched is what is kept, at the price of doing it twice.
+  if (observer) return cold_frame_with(is_drawn ? *drawn : options, is_drawn, picture, colour_step, observer);
+  std::shared_ptr<ColdFrame> better = std::move(is_drawn ? drawing : film);
+  better->milliseconds = {{"cold", milliseconds_since(start)}};
+  return better;
 }
 
 }  // namespace knotreel::track

@@ -27,7 +27,8 @@ DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Optio
   vectorize::RunLog log(picture, nobody);
   log.begin_round("features");
   vectorize::map_curves(picture, limited, most_functions, log, mapped_);
-  if (getenv("DBG2")) for (auto& [n, ms] : log.round().milliseconds) fprintf(stderr, "lap %s %.2f\n", n.c_str(), ms);
+  if (getenv("DBG2"))
+    for (auto& [n, ms] : log.round().milliseconds) fprintf(stderr, "lap %s %.2f\n", n.c_str(), ms);
   limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share};
 }
 

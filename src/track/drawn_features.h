@@ -12,8 +12,8 @@
 
 namespace knotreel::track {
 
-/// The features of a drawn frame, found in its picture as in a picture on its own, for a mesh whose other knots
-/// come from the frame before (docs/decisions/0040).
+/// The features of a drawn frame, found in its picture as in a picture on its own, for a mesh whose other
+/// knots come from the frame before (docs/decisions/0040).
 class DrawnFeatures {
  public:
   /// @param most_functions control points of the whole model. @param before of the frame before: what it left
@@ -25,7 +25,8 @@ class DrawnFeatures {
   const mesh::KnotMesh& knots() const { return mapped_.knots; }
   const FeatureLimits& limits() const { return limits_; }
 
-  /// Displacements of a space over a mesh with these features, in which their curves are where they were found.
+  /// Displacements of a space over a mesh with these features, in which their curves are where they were
+  /// found.
   /// @param unfold as vectorize::Options. @param step displacements are multiples of it, pixels.
   std::vector<Vec2> displacement(const spline::Basis& basis, double unfold, double step) const;
 

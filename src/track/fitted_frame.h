@@ -2,8 +2,10 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <vector>
 
+#include "knotreel/document/frame_model.h"
 #include "knotreel/fit/colour_fit.h"
 #include "knotreel/spline/basis.h"
 #include "knotreel/spline/pixel_surface.h"
@@ -20,7 +22,6 @@ struct FeatureLimits {
 
 /// A frame and the surface that was fitted to it.
 struct FittedFrame {
-  FeatureLimits limits;                                 ///< if it is drawn
   std::shared_ptr<const spline::SplineSpace> space;
   std::vector<Vec2> displacement;
   double edge_softness = 0;                             ///< as document::FrameModel
@@ -29,6 +30,8 @@ struct FittedFrame {
   PlacedPixels seen;                                    ///< what was fitted
   fit::ColourFit colours;                               ///< the residual is that of what was seen
   std::shared_ptr<const spline::PixelSurface> surface;  ///< at what was seen
+  /// Of one that is drawn: the features of the next one are found in its picture.
+  std::optional<FeatureLimits> drawn;
 
   // Of warm frames, while parts of the picture rest (docs/decisions/0027); else empty.
   std::vector<std::uint64_t> prints;  ///< spline::function_fingerprints()
@@ -37,6 +40,9 @@ struct FittedFrame {
   /// Of the basis, at the places of what is seen.
   const spline::PixelValues& values() const { return seen.placed->values(); }
 };
+
+/// As a delta frame has it.
+document::FrameModel model_of(const FittedFrame& frame, int channels);
 
 /// Of the residual, summed over the channels; per pixel, 0 where features cross.
 std::vector<float> squared_errors(const FittedFrame& frame);

@@ -25,7 +25,9 @@ constexpr KnotIndex kNone = 0xffffffffU;
 class Grid {
  public:
   Grid(double width, double height)
-      : columns_(std::size_t(width / kCell) + 1), rows_(std::size_t(height / kCell) + 1), cells_(columns_ * rows_) {}
+      : columns_(std::size_t(width / kCell) + 1),
+        rows_(std::size_t(height / kCell) + 1),
+        cells_(columns_ * rows_) {}
 
   void add(Vec2 low, Vec2 high, std::uint32_t thing) {
     each(low, high, [&](std::vector<std::uint32_t>& cell) { cell.push_back(thing); });
@@ -33,9 +35,10 @@ class Grid {
   /// Some more than once.
   template <typename Visit>
   void near(Vec2 p, double distance, const Visit& visit) {
-    each(p - Vec2{distance, distance}, p + Vec2{distance, distance}, [&](const std::vector<std::uint32_t>& cell) {
-      for (const std::uint32_t thing : cell) visit(thing);
-    });
+    each(p - Vec2{distance, distance}, p + Vec2{distance, distance},
+         [&](const std::vector<std::uint32_t>& cell) {
+           for (const std::uint32_t thing : cell) visit(thing);
+         });
   }
 
  private:
@@ -116,7 +119,9 @@ class Redrawing {
     }
   }
 
-  std::uint32_t id(const KnotMesh& mesh, KnotIndex k) const { return static_cast<std::uint32_t>(mesh.knots[k].id); }
+  std::uint32_t id(const KnotMesh& mesh, KnotIndex k) const {
+    return static_cast<std::uint32_t>(mesh.knots[k].id);
+  }
 
   /// Knots inside segments between the same vertices as before, and as many, have their names.
   void name_segments() {
@@ -159,7 +164,8 @@ class Redrawing {
       }
       ends.emplace_back(s.knots.front(), s.knots.back());
     }
-    for (KnotIndex k = 0; k < mesh_.knots.size(); ++k) knots.add(mesh_.knots[k].position, mesh_.knots[k].position, k);
+    for (KnotIndex k = 0; k < mesh_.knots.size(); ++k)
+      knots.add(mesh_.knots[k].position, mesh_.knots[k].position, k);
     for (KnotIndex k = 0; k < before_.knots.size(); ++k) {
       const KnotKind kind = before_.knots[k].kind;
       if (kind != KnotKind::kFree && kind != KnotKind::kBorder) continue;
@@ -167,17 +173,19 @@ class Redrawing {
       bool fits = p.x >= 0 && p.y >= 0 && p.x <= mesh_.width && p.y <= mesh_.height;
       const bool on_border = mesh::on_side(mesh_, p);
       if (kind == KnotKind::kFree) {
-        fits = fits && p.x >= least && p.y >= least && p.x <= mesh_.width - least && p.y <= mesh_.height - least;
+        fits =
+            fits && p.x >= least && p.y >= least && p.x <= mesh_.width - least && p.y <= mesh_.height - least;
       } else {
         fits = fits && on_border;
       }
-      if (fits) pieces.near(p, least, [&](std::uint32_t s) {
-        fits = fits && distance_to_segment(p, mesh_.knots[ends[s].first].position,
-                                           mesh_.knots[ends[s].second].position) >= least;
-      });
-      if (fits) knots.near(p, least, [&](KnotIndex other) {
-        fits = fits && norm(mesh_.knots[other].position - p) >= least;
-      });
+      if (fits)
+        pieces.near(p, least, [&](std::uint32_t s) {
+          fits = fits && distance_to_segment(p, mesh_.knots[ends[s].first].position,
+                                             mesh_.knots[ends[s].second].position) >= least;
+        });
+      if (fits)
+        knots.near(p, least,
+                   [&](KnotIndex other) { fits = fits && norm(mesh_.knots[other].position - p) >= least; });
       if (!fits) {
         ++report.removed;
         continue;

@@ -42,7 +42,8 @@ bool Rework::take_new_features() {
 }
 
 KnotMesh Rework::for_next_frame(const ReworkInput& input, double mec, bool urgent, const ReworkLog& log) {
-  if (input.is_drawn ? input.is_missed : mec > options_.grow_above * cold_.mec) grow_group(input.most_functions);
+  if (input.is_drawn ? input.is_missed : mec > options_.grow_above * cold_.mec)
+    grow_group(input.most_functions);
   ++since_births_;
   if (++since_rework_ < options_.rework_interval && !urgent) return input.mesh;
   since_rework_ = 0;
@@ -119,10 +120,10 @@ void Rework::refill(const ReworkInput& input, std::span<const float> errors, boo
   double missing = (wanted - functions - born_functions) / per_knot;
   // Features come and go there, and what they leave need not be filled.
   if (input.is_drawn && !input.is_missed) missing = std::min(missing, 0.0);
-  const std::size_t removed =
-      knots::remove_idle_knots(mesh, input.target, knots::sorted_face_errors(mesh, errors, width, height),
-                               urgent ? options_.urgent_swap : options_.swap,
-                               born.empty() && !input.is_drawn ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
+  const std::size_t removed = knots::remove_idle_knots(
+      mesh, input.target, knots::sorted_face_errors(mesh, errors, width, height),
+      urgent ? options_.urgent_swap : options_.swap,
+      born.empty() && !input.is_drawn ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
   log.changes.swapped += removed;
   knots::RefineOptions refine;
   refine.max_knots = static_cast<std::size_t>(std::max(0.0, missing + static_cast<double>(removed)));

@@ -102,6 +102,7 @@ FittedFrame handed_over(FittedFrame& frame) {
   next.space = frame.space;
   next.displacement = frame.displacement;
   next.edge_softness = frame.edge_softness;
+  next.drawn = frame.drawn;
   FittedFrame before = std::exchange(frame, std::move(next));
   before.basis.reset();
   if (before.prints.empty()) {  // nobody will look for what is the same
@@ -134,7 +135,6 @@ class Tracker::Impl {
       }
       const bool look = misses_thresholds() && watch_.is_time_to_look(report.psnr);
       cold = look ? better_cold_frame(picture) : nullptr;
-      if (getenv("DBG")) fprintf(stderr, "warm %.2f mec %.2f functions %zu segs %zu knots %zu free %ld rep %d look %d cold %d: %zu segs %zu share %.1f\n", report.psnr, report.mec, frame_.space->function_count(), frame_.space->mesh().segments.size(), frame_.space->mesh().knots.size(), std::count_if(frame_.space->mesh().knots.begin(), frame_.space->mesh().knots.end(), [](auto& k) { return k.kind == mesh::KnotKind::kFree; }), report.changes.repairs, look, cold != nullptr, cold ? cold->frame.space->function_count() : 0, cold ? cold->frame.space->mesh().segments.size() : 0, frame_.limits.share);
       if (cold) {
         report.start = Start::kDrift;
         report.survival = 0;  // what was done before was in vain
@@ -149,7 +149,9 @@ class Tracker::Impl {
     }
     if (report.start != Start::kWarm) {
       if (report.start != Start::kDrift) target_.reset();  // it is that of the frame before
-      take_over(cold ? std::move(*cold) : std::move(*make_cold_frame(picture, cold_, options_.colour_step)));
+      take_over(
+          cold ? std::move(*cold)
+               : std::move(*make_cold_frame(picture, cold_, options_.drawn.get(), options_.colour_step)));
       start_group(picture);
     }
     report.knots = frame_.space->mesh().knots.size();
@@ -221,9 +223,7 @@ class Tracker::Impl {
   void make_warm(const image::Image& picture, const Motion& motion) {
     rework_last();
     rest_.add(motion.unchanged);
-    const bool is_drawn = cold_.if_drawn && features::is_drawing(picture);
-    drawn_ = is_drawn ? std::make_unique<DrawnFeatures>(picture, *cold_.if_drawn, most_functions_, frame_.limits) : nullptr;
-    if (is_drawn) laps_->lap("features");
+    find_drawn_features(picture);
     KnotMesh carried;
     std::optional<LinkMemory> links;
     std::optional<FaceErrors> errors_before;
@@ -238,7 +238,7 @@ class Tracker::Impl {
     if (!drawn_) carried = refilled(carried, *errors_before);
     laps_->lap("foresee");
     frame_before_ = handed_over(frame_);
-    if (drawn_) frame_.limits = drawn_->limits();
+    if (drawn_) frame_.drawn = drawn_->limits();
     take_over(carried, *links);
     if (drawn_) {
       draw_curves();
@@ -271,14 +271,22 @@ class Tracker::Impl {
     laps_->lap("softness");
   }
 
+  /// A drawing has its features found anew, if that was better in the first frame of the group.
+  void find_drawn_features(const image::Image& picture) {
+    drawn_.reset();
+    if (!frame_.drawn || !features::is_drawing(picture)) return;
+    drawn_ = std::make_unique<DrawnFeatures>(picture, *options_.drawn, most_functions_, *frame_.drawn);
+    laps_->lap("features");
+  }
+
   /// Where the knots of the mesh prepared for this frame have gone.
   KnotMesh carried_mesh(const Motion& motion) {
     const std::vector<Vec2> points = image_positions(*frame_.basis, frame_.displacement, next_mesh_);
     std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
     if (drawn_) {
       next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
-      return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry, next_id_,
-                         report_->changes.carry);
+      return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry,
+                         next_id_, report_->changes.carry);
     }
     SnapResult snapped = snap_to_edges(*frame_.basis, frame_.displacement, next_mesh_, moves,
                                        frame_.seen.picture, *motion.before, *motion.now);
@@ -316,7 +324,9 @@ class Tracker::Impl {
     const double expected = expected_psnr();
     laps_->lap("difficulty");
     if (expected < report_->psnr + options_.restart_gain) return nullptr;
-    std::shared_ptr<ColdFrame> cold = make_cold_frame(picture, cold_, options_.colour_step);
+    const bool is_drawn = frame_.drawn.has_value();
+    std::shared_ptr<ColdFrame> cold =
+        cold_frame_with(is_drawn ? *options_.drawn : cold_, is_drawn, picture, options_.colour_step, {});
     laps_->add(std::exchange(cold->milliseconds, {}));
     const Quality quality = quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture);
     if (quality.psnr > report_->psnr + options_.restart_gain) return cold;
@@ -393,13 +403,17 @@ class Tracker::Impl {
 
   void draw_curves() {
     if (!frame_.space->mesh().segments.empty())
-      frame_.displacement = drawn_->displacement(*frame_.basis, cold_.if_drawn->unfold, options_.displacement_step);
+      frame_.displacement =
+          drawn_->displacement(*frame_.basis, options_.drawn->unfold, options_.displacement_step);
     laps_->lap("geometry");
   }
 
   void fit(const image::Image& picture, const Motion& motion) {
     frame_.colour_step = options_.colour_step * options_.delta_coarseness * coarseness_.factor();
-    fit_warm_frame(frame_before_, {picture, motion, match_, cold_.colour, options_, drawn_ ? cold_.if_drawn->mixed_weight : 0}, frame_, *laps_);
+    fit_warm_frame(
+        frame_before_,
+        {picture, motion, match_, cold_.colour, options_, drawn_ ? options_.drawn->mixed_weight : 0}, frame_,
+        *laps_);
   }
 
   /// What the mesh is reworked by, once there is a next frame: this one need not wait for that.
@@ -422,17 +436,15 @@ class Tracker::Impl {
         });
   }
 
-  ReworkInput rework_input() const { return {frame_, mesh_, *target_, rest_, most_functions_, drawn_ != nullptr, drawn_ && misses_thresholds()}; }
+  ReworkInput rework_input() const {
+    return {
+        frame_, mesh_, *target_, rest_, most_functions_, drawn_ != nullptr, drawn_ && misses_thresholds()};
+  }
   ReworkLog rework_log() { return {report_->changes, *laps_, next_id_}; }
 
   document::FrameModel model(const image::Image& picture, bool keyframe) const {
-    document::FrameModel model;
-    model.space = frame_.space;
-    model.displacement = frame_.displacement;
-    model.channels = picture.channels;
-    model.colour = frame_.colours.control;
-    if (!keyframe) model.colour_step = frame_.colour_step;
-    model.edge_softness = frame_.edge_softness;
+    document::FrameModel model = model_of(frame_, picture.channels);
+    if (keyframe) model.colour_step = document::FrameModel{}.colour_step;
     model.keyframe = keyframe;
     return model;
   }

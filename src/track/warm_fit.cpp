@@ -64,17 +64,6 @@ std::vector<double> reluctance_to_change(const FittedFrame& before, const Fitted
   return result;
 }
 
-/// With no colours yet.
-document::FrameModel model_of(const FittedFrame& frame, int channels) {
-  document::FrameModel model;
-  model.space = frame.space;
-  model.displacement = frame.displacement;
-  model.channels = channels;
-  model.colour.resize(frame.space->function_count() * static_cast<std::size_t>(channels), 0);
-  model.edge_softness = frame.edge_softness;
-  return model;
-}
-
 }  // namespace
 
 void fit_warm_frame(const FittedFrame& before, const WarmFit& how, FittedFrame& frame, Laps& laps) {

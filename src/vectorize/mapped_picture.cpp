@@ -141,7 +141,8 @@ class Mapping {
 
   bool find_polylines() {
     mapped_.parametrization = {};
-    if (mapped_.has_features()) mapped_.parametrization = param::first_polylines(mapped_.faired, parametrize_);
+    if (mapped_.has_features())
+      mapped_.parametrization = param::first_polylines(mapped_.faired, parametrize_);
     mapped_.parametrization.width = picture_.width;
     mapped_.parametrization.height = picture_.height;
     log_.report.polyline_vertices = mapped_.parametrization.vertices.size();

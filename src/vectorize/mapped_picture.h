@@ -32,8 +32,8 @@ struct MappedPicture {
 void map_features(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
                   MappedPicture& mapped);
 
-/// The same without the pixels, which is a part of the work: neither the corrected picture nor the image mesh is
-/// made, and the map has no pixels.
+/// The same without the pixels, which is a part of the work: neither the corrected picture nor the image mesh
+/// is made, and the map has no pixels.
 void map_curves(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
                 MappedPicture& mapped);
 

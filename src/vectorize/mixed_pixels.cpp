@@ -18,9 +18,9 @@ bool is_stepped(const image::Image& picture, int x, int y) {
 
 }  // namespace
 
-fit::MixedPixels mixed_pixels(const document::FrameModel& model,
-                              const std::shared_ptr<const spline::Basis>& basis, const image::Image& picture,
-                              double weight) {
+fit::MixedPixels mixed_pixels(document::FrameModel model, const std::shared_ptr<const spline::Basis>& basis,
+                              const image::Image& picture, double weight) {
+  model.colour.resize(model.space->function_count() * static_cast<std::size_t>(model.channels));
   fit::MixedPixels mixed = raster::mixed_pixels(model, basis);
   const auto channels = static_cast<std::size_t>(picture.channels);
   const auto width = static_cast<std::size_t>(picture.width);

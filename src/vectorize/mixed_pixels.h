@@ -10,10 +10,9 @@
 namespace knotreel::vectorize {
 
 /// The pixels that features cross, as they will be drawn, with their colours (docs/decisions/0038).
-/// @param model its colours do not matter. @param basis of its space. @param weight of each, above 0; less
-/// where edges come in steps.
-fit::MixedPixels mixed_pixels(const document::FrameModel& model,
-                              const std::shared_ptr<const spline::Basis>& basis, const image::Image& picture,
-                              double weight);
+/// @param model its colours do not matter, and may be missing. @param basis of its space. @param weight of
+/// each, above 0; less where edges come in steps.
+fit::MixedPixels mixed_pixels(document::FrameModel model, const std::shared_ptr<const spline::Basis>& basis,
+                              const image::Image& picture, double weight);
 
 }  // namespace knotreel::vectorize

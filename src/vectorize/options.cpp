@@ -1,6 +1,5 @@
 #include "knotreel/vectorize/options.h"
 
-#include <cstdlib>
 #include <algorithm>
 
 #include "knotreel/features/flat_share.h"
@@ -72,9 +71,6 @@ Options group_preset_options(Preset preset) {
 }
 
 Options video_options(Options picture) {
-  Options drawn = picture;
-  drawn.drawn_threshold = 0;
-  drawn.drawn_weak_share = drawn.feature_share;
   picture.first_share = std::max(picture.first_share, 0.95);
   picture.feature_share = std::min(picture.feature_share, 0.15);
   // Small letters would have to be bent in each frame, and are truer without (docs/decisions/0033).
@@ -91,7 +87,13 @@ Options video_options(Options picture) {
   picture.drawn_distance = picture.parametrize.polyline_distance;
   // The frames behind are not fitted so: it would take a tenth of their time (docs/decisions/0038).
   picture.mixed_weight = 0;
-  if (picture.features && !getenv("NODRAWN")) picture.if_drawn = std::make_shared<const Options>(drawn);
+  return picture;
+}
+
+Options drawn_video_options(Options picture) {
+  picture.drawn_threshold = 0;
+  // Whether a feature is weak changes from frame to frame.
+  picture.drawn_weak_share = picture.feature_share;
   return picture;
 }
 

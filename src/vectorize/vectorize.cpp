@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "knotreel/base/error.h"
-#include "knotreel/features/flat_share.h"
 #include "knotreel/image/hidden_colours.h"
 #include "vectorize/check_options.h"
 #include "vectorize/draft.h"
@@ -114,8 +113,6 @@ Vectorization vectorize_picture(const image::Image& picture, const Options& opti
                                 const Observer& observer) {
   check_picture(picture);
   check_options(options);
-  if (options.if_drawn && features::is_drawing(picture))
-    return vectorize_picture(picture, *options.if_drawn, observer);
   if (!picture.has_alpha()) return Run(picture, options, observer).run();
   return Run(image::extend_seen_colours(picture), options, observer).run();
 }

@@ -12,9 +12,11 @@ struct ColdFrame;
 
 /// Nearly all the work of a cold frame. It needs nothing of other frames, so it may be done for several
 /// frames at once, ahead of Tracker::next(), which takes it over.
+/// @param drawn        TrackOptions::drawn: of a drawing, it is tried which of both options are better.
 /// @param colour_step  TrackOptions::colour_step. @param observer  as for vectorize_picture().
 /// @throws Error{kInvalidArgument} as vectorize_picture().
 std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const vectorize::Options& options,
-                                           double colour_step, const vectorize::Observer& observer = {});
+                                           const vectorize::Options* drawn, double colour_step,
+                                           const vectorize::Observer& observer = {});
 
 }  // namespace knotreel::track

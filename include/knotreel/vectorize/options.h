@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdint>
-#include <memory>
 
 #include "knotreel/document/writer.h"
 #include "knotreel/features/colour_correction.h"
@@ -88,9 +87,6 @@ struct Options {
   int descent_steps = 2;  ///< on the true residual; >= 0; 0: none
   bool descend_along_curves = false;  ///< knots on features move, too: fit::DescentOptions::along_curves
 
-  /// For drawings (features::is_drawing()), in place of all the others; null: these.
-  std::shared_ptr<const Options> if_drawn;
-
   /// The last fit is to knots and displacements as keyframes of documents have them; ranges as there.
   int knot_bits = document::EncodeOptions{}.knot_bits;
   double displacement_step = document::EncodeOptions{}.displacement_step;  ///< pixels
@@ -122,5 +118,9 @@ Options group_preset_options(Preset preset);
 /// blurred by lossy codecs, all but the strongest features cost more than they bring (docs/decisions/0017).
 /// The program takes these, with default_video_control_points() as the bound if none is given.
 Options video_options(Options picture);
+
+/// Those of a picture made fit for drawn frames of a video, whose features are found anew in each
+/// (docs/decisions/0040): all features stay if they can, and codecs leave traces where nothing was drawn.
+Options drawn_video_options(Options picture);
 
 }  // namespace knotreel::vectorize

@@ -31,9 +31,9 @@ struct RoundReport {
 struct Report {
   std::size_t chains = 0;
   std::size_t chains_over_budget =
-      0;  ///< of these, dropped because features may not use up the control points
+      0;                            ///< of these, dropped because features may not use up the control points
   bool strong_over_budget = false;  ///< not only weak ones were dropped so
-  double feature_share = 0;  ///< of the control points, that features could use up; above 1: no limit
+  double feature_share = 0;         ///< of the control points, that features could use up; above 1: no limit
   std::size_t feature_pixels = 0;
   std::size_t corners = 0;  ///< sharp ones of features, and where several meet
   std::size_t polyline_vertices = 0;

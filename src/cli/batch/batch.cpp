@@ -129,7 +129,7 @@ void add_clips(CLI::App& command, BatchArguments& arguments) {
   command.add_flag("--transcode", arguments.transcode,
                    "Turn videos into videos (.mp4) as 'knotreel transcode' does, and leave\nout pictures");
   add_video_output_options(command, arguments.encoding);
-  add_tracking_options(command, arguments.clips.tracking);
+  add_tracking_options(command, arguments.clips.tracking, arguments.clips.no_drawn_frames);
   add_video_input_options(command, arguments.clips.reading);
   command.option_defaults()->group("Options");
 }
