@@ -108,6 +108,7 @@ class CurveBuilder {
     Site site;
     site.pixel = p.y * chains_.width + p.x;
     site.is_vertex = node != kNone || p.corner;
+    site.preferred = p.preferred;
     site.beyond = p.beyond;
     site.centre = {p.x + 0.5, p.y + 0.5};
     // Further than one pixel per axis the chain's promise is broken; folds would be the least of it.

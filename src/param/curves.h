@@ -19,6 +19,7 @@ struct Site {
   std::int32_t pixel = kNoPixel;
   VertexPlace place = VertexPlace::kInside;
   bool is_vertex = false;       ///< of the polyline
+  bool preferred = false;       ///< as features::ChainPoint
   double fairing = 1;           ///< position = centre + fairing * (faired - centre)
   Vec2 centre;                  ///< of the pixel, or its foot on the side
   Vec2 faired;                  ///< where the detector puts the curve

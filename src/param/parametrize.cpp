@@ -45,6 +45,7 @@ void check(const features::FeatureChains& chains, const features::ImageMesh& mes
 /// Makes polylines of curves. @return how many chains had to go.
 int place(Curves& curves, const ParametrizeOptions& options, Parametrization& result) {
   int dropped = uncross(curves);
+  mark_preferred(curves, options);
   simplify(curves, options);
   dropped += make_planar(curves, options);
   assemble_polylines(curves, result);

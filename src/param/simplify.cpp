@@ -15,6 +15,9 @@ namespace {
 /// Bulges that polyline_bulge does not forbid, in pixels.
 constexpr double kHarmlessBulge = 1;
 
+/// Between a preferred vertex and others, sites.
+constexpr std::size_t kLeastApart = 3;
+
 /// Index of the site with the largest measure; of equal ones that with the smallest pixel, so that it does
 /// not matter where a closed chain starts.
 template <typename Measure>
@@ -64,6 +67,12 @@ class Simplifier {
         distance_(curve_.stepped ? std::max(options.polyline_distance, options.stepped_distance)
                                  : options.polyline_distance) {}
 
+  /// Whether one segment may take its place.
+  bool is_straight(Span span) {
+    measure(curves_, curve_, span, chord_);
+    return is_accepted(span);
+  }
+
   void refine(Span span) {
     std::vector<Span> open{span};
     while (!open.empty()) {
@@ -103,12 +112,57 @@ bool split(Curves& curves, const Curve& curve, Span span) {
   return true;
 }
 
+/// Places of the sites of a curve that are vertices or preferred, but for these next to others.
+std::vector<std::size_t> vertices_to_keep(const Curves& curves, const Curve& curve) {
+  const auto is_fixed = [&](std::size_t k) { return curves.sites[site_of(curve, k)].is_vertex; };
+  std::vector<std::size_t> kept;
+  for (std::size_t k = 0; k < curve.sites.size(); ++k) {
+    const Site& site = curves.sites[curve.sites[k]];
+    if (!site.is_vertex && !(site.preferred && site.curve != kNone)) continue;
+    const bool too_near = !kept.empty() && k - kept.back() < kLeastApart;
+    if (too_near && !site.is_vertex) continue;
+    if (too_near && !is_fixed(kept.back())) kept.pop_back();
+    kept.push_back(k);
+  }
+  return kept;
+}
+
+/// From the vertex before one to that behind it. Those at the ends of an open curve have none of these.
+Span around(const Curve& curve, const std::vector<std::size_t>& vertices, std::size_t k) {
+  const std::size_t n = curve.sites.size();
+  const std::size_t before = k > 0 ? vertices[k - 1] : vertices.back();
+  const std::size_t behind = k + 1 < vertices.size() ? vertices[k + 1] : vertices.front() + n;
+  return before < behind && k > 0 ? Span{before, behind} : Span{before, behind + n};
+}
+
 struct Segment {
   std::uint32_t curve;
   Span span;
 };
 
 }  // namespace
+
+void mark_preferred(Curves& curves, const ParametrizeOptions& options) {
+  parallel_for(curves.curves.size(), [&](std::size_t i) {
+    const Curve& curve = curves.curves[i];
+    std::vector<std::size_t> kept = vertices_to_keep(curves, curve);
+    const std::size_t least = curve.closed ? 3 : 2;
+    if (kept.size() < least) return;
+    Simplifier simplifier(curves, static_cast<std::uint32_t>(i), options);
+    for (std::size_t k = 0; k < kept.size() && kept.size() > least;) {
+      const bool fixed = curves.sites[curve.sites[kept[k]]].is_vertex;
+      if (!fixed && simplifier.is_straight(around(curve, kept, k))) {
+        kept.erase(kept.begin() + static_cast<std::ptrdiff_t>(k));
+      } else {
+        ++k;
+      }
+    }
+    for (const std::size_t k : kept) {
+      Site& site = curves.sites[curve.sites[k]];
+      if (!site.is_vertex) site.is_vertex = true;  // nodes are shared: other threads may be reading them
+    }
+  });
+}
 
 void simplify(Curves& curves, const ParametrizeOptions& options) {
   parallel_for(curves.curves.size(), [&](std::size_t i) {

@@ -18,7 +18,8 @@ constexpr Sheet kYielding{.stiffness = 0, .elasticity = 0.03, .inertia = 0.001};
 }  // namespace
 
 DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Options& options,
-                             std::size_t most_functions, const FeatureLimits& before) {
+                             std::size_t most_functions, std::span<const Vec2> vertices,
+                             const FeatureLimits& before) {
   const auto slack = [](bool dropped) { return dropped ? 1 - kSlack : 1 + kSlack; };
   vectorize::Options limited = options;
   limited.feature_share = slack(before.strong_dropped) * before.share;
@@ -26,9 +27,7 @@ DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Optio
   const vectorize::Observer nobody;
   vectorize::RunLog log(picture, nobody);
   log.begin_round("features");
-  vectorize::map_curves(picture, limited, most_functions, log, mapped_);
-  if (getenv("DBG2"))
-    for (auto& [n, ms] : log.round().milliseconds) fprintf(stderr, "lap %s %.2f\n", n.c_str(), ms);
+  vectorize::map_curves(picture, limited, most_functions, vertices, log, mapped_);
   limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share};
 }
 

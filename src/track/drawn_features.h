@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 #include "knotreel/image/image.h"
@@ -16,10 +17,11 @@ namespace knotreel::track {
 /// knots come from the frame before (docs/decisions/0040).
 class DrawnFeatures {
  public:
-  /// @param most_functions control points of the whole model. @param before of the frame before: what it left
+  /// @param most_functions control points of the whole model. @param vertices about where those of the frame before
+  /// would be: these stay vertices where they may as well. @param before of the frame before: what it left
   /// out is left out for longer, and what it has stays for longer.
   DrawnFeatures(const image::Image& picture, const vectorize::Options& options, std::size_t most_functions,
-                const FeatureLimits& before);
+                std::span<const Vec2> vertices, const FeatureLimits& before);
 
   /// The knots of the features, and those of the domain.
   const mesh::KnotMesh& knots() const { return mapped_.knots; }

@@ -223,19 +223,20 @@ class Tracker::Impl {
   void make_warm(const image::Image& picture, const Motion& motion) {
     rework_last();
     rest_.add(motion.unchanged);
-    find_drawn_features(picture);
+    const bool is_drawn = frame_.drawn && features::is_drawing(picture);
+    drawn_.reset();
     KnotMesh carried;
     std::optional<LinkMemory> links;
     std::optional<FaceErrors> errors_before;
-    parallel_invoke([&] { carried = carried_mesh(motion); },
+    parallel_invoke([&] { carried = is_drawn ? redrawn_mesh(picture, motion) : carried_mesh(motion); },
                     [&] {
-                      errors_before.emplace(mesh_, *target_);
+                      if (!is_drawn) errors_before.emplace(mesh_, *target_);
                       target_->change_to(picture);
                       difficulty_.reset();
                       links.emplace(*frame_.space);
                     });
     laps_->lap("carry");
-    if (!drawn_) carried = refilled(carried, *errors_before);
+    if (errors_before) carried = refilled(carried, *errors_before);
     laps_->lap("foresee");
     frame_before_ = handed_over(frame_);
     if (drawn_) frame_.drawn = drawn_->limits();
@@ -271,23 +272,24 @@ class Tracker::Impl {
     laps_->lap("softness");
   }
 
-  /// A drawing has its features found anew, if that was better in the first frame of the group.
-  void find_drawn_features(const image::Image& picture) {
-    drawn_.reset();
-    if (!frame_.drawn || !features::is_drawing(picture)) return;
-    drawn_ = std::make_unique<DrawnFeatures>(picture, *options_.drawn, most_functions_, *frame_.drawn);
-    laps_->lap("features");
+  /// The features of a drawing are found anew; the other knots go where the motion takes them.
+  KnotMesh redrawn_mesh(const image::Image& picture, const Motion& motion) {
+    const std::vector<Vec2> points = image_positions(*frame_.basis, frame_.displacement, next_mesh_);
+    const std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
+    std::vector<Vec2> vertices;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+      if (next_mesh_.knots[k].kind == mesh::KnotKind::kVertex) vertices.push_back(points[k] + moves[k]);
+    }
+    drawn_ = std::make_unique<DrawnFeatures>(picture, *options_.drawn, most_functions_, vertices, *frame_.drawn);
+    next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
+    return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry, next_id_,
+                       report_->changes.carry);
   }
 
   /// Where the knots of the mesh prepared for this frame have gone.
   KnotMesh carried_mesh(const Motion& motion) {
     const std::vector<Vec2> points = image_positions(*frame_.basis, frame_.displacement, next_mesh_);
     std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
-    if (drawn_) {
-      next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
-      return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry,
-                         next_id_, report_->changes.carry);
-    }
     SnapResult snapped = snap_to_edges(*frame_.basis, frame_.displacement, next_mesh_, moves,
                                        frame_.seen.picture, *motion.before, *motion.now);
     const std::vector<std::uint8_t> rests = resting_knots(next_mesh_, rest_);

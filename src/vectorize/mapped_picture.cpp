@@ -6,6 +6,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/features/corners.h"
 #include "knotreel/features/flat_share.h"
+#include "knotreel/features/prefer_points.h"
 #include "knotreel/fit/squared_errors.h"
 #include "knotreel/param/parametrized_image.h"
 #include "vectorize/feature_budget.h"
@@ -47,7 +48,7 @@ double weak_share(const Options& options, bool drawing) {
 class Mapping {
  public:
   Mapping(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
-          MappedPicture& mapped)
+          MappedPicture& mapped, std::span<const Vec2> vertices = {})
       : picture_(picture),
         options_(options),
         drawing_(options.features && features::is_drawing(picture)),
@@ -55,7 +56,8 @@ class Mapping {
         shares_{options.feature_share, weak_share(options, drawing_)},
         max_functions_(max_functions),
         log_(log),
-        mapped_(mapped) {}
+        mapped_(mapped),
+        vertices_(vertices) {}
 
   void find() {
     if (!options_.features) return;
@@ -109,6 +111,7 @@ class Mapping {
     if (options_.fairing) features::fair_chains(mapped_.faired, options_.fair);
     if (options_.corner_detection)
       log_.report.corners = features::sharpen_corners(picture_, mapped_.faired, options_.corners);
+    features::prefer_points(mapped_.faired, vertices_);
     log_.progress.faired = &mapped_.faired;
     log_.lap("fair");
     log_.show("fairing");
@@ -217,6 +220,7 @@ class Mapping {
   std::size_t max_functions_;
   RunLog& log_;
   MappedPicture& mapped_;
+  std::span<const Vec2> vertices_;
 };
 
 }  // namespace
@@ -228,9 +232,9 @@ void map_features(const image::Image& picture, const Options& options, std::size
   mapping.map();
 }
 
-void map_curves(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
-                MappedPicture& mapped) {
-  Mapping mapping(picture, options, max_functions, log, mapped);
+void map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
+                std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped) {
+  Mapping mapping(picture, options, max_functions, log, mapped, vertices);
   mapping.find();
   if (!mapping.map_curves()) mapping.map();
 }

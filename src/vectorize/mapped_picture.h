@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 
 #include "knotreel/features/chains.h"
 #include "knotreel/features/image_mesh.h"
@@ -34,8 +35,9 @@ void map_features(const image::Image& picture, const Options& options, std::size
 
 /// The same without the pixels, which is a part of the work: neither the corrected picture nor the image mesh
 /// is made, and the map has no pixels.
-void map_curves(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
-                MappedPicture& mapped);
+/// @param vertices where polylines had vertices in the picture before, which may as well stay.
+void map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
+                std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped);
 
 /// The picture over the domain, where knots are placed.
 knots::Target make_target(const image::Image& picture, const MappedPicture& mapped);
