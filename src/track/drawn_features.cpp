@@ -31,13 +31,15 @@ DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Optio
   limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share};
 }
 
-std::vector<Vec2> DrawnFeatures::displacement(const spline::Basis& basis, double unfold, double step) const {
-  std::vector<Vec2> result(basis.space().geometry_count());
-  bend_geometry(basis, vectorize::curve_points(mapped_.parametrization), result, {}, kYielding);
-  document::round_displacement(result, step);
-  fit::unfold_geometry(basis, result, unfold);
-  document::round_displacement(result, step);
-  return result;
+void DrawnFeatures::displace(const spline::Basis& basis, std::span<const std::uint8_t> held, double unfold,
+                             double step, std::vector<Vec2>& displacement) const {
+  for (std::size_t g = 0; g < displacement.size(); ++g) {
+    if (held.empty() || !held[g]) displacement[g] = {};
+  }
+  bend_geometry(basis, vectorize::curve_points(mapped_.parametrization), displacement, held, kYielding);
+  document::round_displacement(displacement, step);
+  fit::unfold_geometry(basis, displacement, unfold);
+  document::round_displacement(displacement, step);
 }
 
 }  // namespace knotreel::track

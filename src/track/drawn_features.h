@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <span>
 #include <vector>
 
@@ -27,10 +28,11 @@ class DrawnFeatures {
   const mesh::KnotMesh& knots() const { return mapped_.knots; }
   const FeatureLimits& limits() const { return limits_; }
 
-  /// Displacements of a space over a mesh with these features, in which their curves are where they were
-  /// found.
+  /// Finds the displacements of a space over a mesh with these features: their curves are where they were found.
+  /// @param held by geometry control point: 1 for those whose displacement stays as it is; or none.
   /// @param unfold as vectorize::Options. @param step displacements are multiples of it, pixels.
-  std::vector<Vec2> displacement(const spline::Basis& basis, double unfold, double step) const;
+  void displace(const spline::Basis& basis, std::span<const std::uint8_t> held, double unfold, double step,
+                std::vector<Vec2>& displacement) const;
 
  private:
   vectorize::MappedPicture mapped_;

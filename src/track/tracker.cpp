@@ -403,10 +403,12 @@ class Tracker::Impl {
     laps_->lap("geometry");
   }
 
+  /// Puts the curves of a drawing where they were found.
   void draw_curves() {
-    if (!frame_.space->mesh().segments.empty())
-      frame_.displacement =
-          drawn_->displacement(*frame_.basis, options_.drawn->unfold, options_.displacement_step);
+    const std::vector<std::uint8_t> held =
+        resting_geometry(*frame_.space, resting_knots(frame_.space->mesh(), rest_));
+    drawn_->displace(*frame_.basis, held, options_.drawn->unfold, options_.displacement_step,
+                     frame_.displacement);
     laps_->lap("geometry");
   }
 
