@@ -6,8 +6,8 @@
 
 namespace knotreel::param {
 
-/// Marks the sites that are preferred as vertices, but for those that polylines do well without, and those next to
-/// others. Before simplify(), so that polylines of the next picture have the vertices of this one.
+/// Marks the sites that are preferred as vertices, but for those that polylines do well without, and those
+/// next to others. Before simplify(), so that polylines of the next picture have the vertices of this one.
 void mark_preferred(Curves& curves, const ParametrizeOptions& options);
 
 /// Marks sites as vertices until all segments between marked sites are accepted (modified Douglas-Peucker,

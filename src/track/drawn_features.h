@@ -18,9 +18,9 @@ namespace knotreel::track {
 /// knots come from the frame before (docs/decisions/0040).
 class DrawnFeatures {
  public:
-  /// @param most_functions control points of the whole model. @param vertices about where those of the frame before
-  /// would be: these stay vertices where they may as well. @param before of the frame before: what it left
-  /// out is left out for longer, and what it has stays for longer.
+  /// @param most_functions control points of the whole model. @param vertices about where those of the frame
+  /// before would be: these stay vertices where they may as well. @param before of the frame before: what it
+  /// left out is left out for longer, and what it has stays for longer.
   DrawnFeatures(const image::Image& picture, const vectorize::Options& options, std::size_t most_functions,
                 std::span<const Vec2> vertices, const FeatureLimits& before);
 
@@ -28,7 +28,8 @@ class DrawnFeatures {
   const mesh::KnotMesh& knots() const { return mapped_.knots; }
   const FeatureLimits& limits() const { return limits_; }
 
-  /// Finds the displacements of a space over a mesh with these features: their curves are where they were found.
+  /// Finds the displacements of a space over a mesh with these features: their curves are where they were
+  /// found.
   /// @param held by geometry control point: 1 for those whose displacement stays as it is; or none.
   /// @param unfold as vectorize::Options. @param step displacements are multiples of it, pixels.
   void displace(const spline::Basis& basis, std::span<const std::uint8_t> held, double unfold, double step,

@@ -2,8 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 #include <map>
+#include <tuple>
 #include <utility>
 #include <vector>
 
@@ -19,7 +19,6 @@ using mesh::KnotMesh;
 
 constexpr double kSamePlace = 2.5;  // pixels between a vertex and where the one before should be
 constexpr double kCell = 8;         // of the grids that near things are found by, pixels
-constexpr KnotIndex kNone = 0xffffffffU;
 
 /// Things by the cells of a grid that they reach.
 class Grid {
@@ -71,30 +70,37 @@ class Redrawing {
  public:
   Redrawing(const KnotMesh& features, const KnotMesh& before, std::span<const Vec2> targets,
             std::uint32_t& next_id)
-      : before_(before), targets_(targets), next_id_(next_id), mesh_(features) {
+      : before_(before),
+        targets_(targets),
+        next_id_(next_id),
+        mesh_(features),
+        pieces_(features.width, features.height),
+        knots_(features.width, features.height) {
     mesh_.faces.clear();
   }
 
   KnotMesh mesh(const CarryOptions& options, CarryReport& report) {
     name_vertices();
     name_segments();
+    take_places();
     add_free_knots(options.min_distance, report);
     mesh::triangulate(mesh_);
     return std::move(mesh_);
   }
 
  private:
-  /// Each vertex gets the name of the one before that is nearest, if it is the nearest to that, too.
-  void name_vertices() {
+  /// A vertex of the new mesh, and one of that before that should be near by.
+  struct Pair {
+    double distance;
+    KnotIndex knot;
+    KnotIndex old;
+  };
+
+  std::vector<Pair> near_vertices() const {
     Grid grid(mesh_.width, mesh_.height);
     for (KnotIndex k = 0; k < before_.knots.size(); ++k) {
       if (before_.knots[k].kind == KnotKind::kVertex) grid.add(targets_[k], targets_[k], k);
     }
-    struct Pair {
-      double distance;
-      KnotIndex knot;
-      KnotIndex old;
-    };
     std::vector<Pair> pairs;
     for (KnotIndex k = 0; k < mesh_.knots.size(); ++k) {
       if (mesh_.knots[k].kind != KnotKind::kVertex) continue;
@@ -104,6 +110,12 @@ class Redrawing {
         if (distance <= kSamePlace) pairs.push_back({distance, k, old});
       });
     }
+    return pairs;
+  }
+
+  /// Vertices get the names of those before, the nearest first.
+  void name_vertices() {
+    std::vector<Pair> pairs = near_vertices();
     std::sort(pairs.begin(), pairs.end(), [](const Pair& a, const Pair& b) {
       return std::tie(a.distance, a.knot, a.old) < std::tie(b.distance, b.knot, b.old);
     });
@@ -115,91 +127,90 @@ class Redrawing {
       mesh_.knots[pair.knot].id = before_.knots[pair.old].id;
     }
     for (KnotIndex k = 0; k < mesh_.knots.size(); ++k) {
-      if (mesh_.knots[k].kind == KnotKind::kVertex && !named[k]) mesh_.knots[k].id = KnotId{next_id_++};
+      if (mesh_.knots[k].kind == KnotKind::kVertex && !named[k]) mesh_.knots[k].id = new_id();
     }
   }
 
-  std::uint32_t id(const KnotMesh& mesh, KnotIndex k) const {
-    return static_cast<std::uint32_t>(mesh.knots[k].id);
+  static Ends ends_of(const KnotMesh& mesh, const mesh::FeatureSegment& s) {
+    return {static_cast<std::uint32_t>(mesh.knots[s.knots.front()].id),
+            static_cast<std::uint32_t>(mesh.knots[s.knots.back()].id)};
   }
 
   /// Knots inside segments between the same vertices as before, and as many, have their names.
   void name_segments() {
-    std::map<Ends, const mesh::FeatureSegment*> known;
-    for (const mesh::FeatureSegment& s : before_.segments)
-      known.emplace(Ends{id(before_, s.knots.front()), id(before_, s.knots.back())}, &s);
+    std::map<Ends, std::vector<KnotIndex>> known;
+    for (const mesh::FeatureSegment& s : before_.segments) known.emplace(ends_of(before_, s), s.knots);
     for (const mesh::FeatureSegment& s : mesh_.segments) {
-      const Ends ends{id(mesh_, s.knots.front()), id(mesh_, s.knots.back())};
-      const auto same = known.find(ends);
-      const auto turned = same == known.end() ? known.find({ends.second, ends.first}) : known.end();
-      const auto found = same != known.end() ? same : turned;
-      const std::size_t n = s.knots.size();
-      const bool is_same = found != known.end() && found->second->knots.size() == n;
-      for (std::size_t i = 1; i + 1 < n; ++i) {
-        if (is_same) {
-          const auto& old = found->second->knots;
-          mesh_.knots[s.knots[i]].id = before_.knots[old[found == turned ? n - 1 - i : i]].id;
-        } else {
-          mesh_.knots[s.knots[i]].id = KnotId{next_id_++};
-        }
+      const Ends ends = ends_of(mesh_, s);
+      auto found = known.find(ends);
+      if (found == known.end()) {
+        found = known.find({ends.second, ends.first});
+        if (found != known.end()) std::reverse(found->second.begin(), found->second.end());
       }
-      if (is_same) known.erase(found);
+      const bool is_same = found != known.end() && found->second.size() == s.knots.size();
+      for (std::size_t i = 1; i + 1 < s.knots.size(); ++i)
+        mesh_.knots[s.knots[i]].id = is_same ? before_.knots[found->second[i]].id : new_id();
+      if (found != known.end()) known.erase(found);
     }
   }
 
-  void add_free_knots(double least, CarryReport& report) {
-    Grid pieces(mesh_.width, mesh_.height);
-    Grid knots(mesh_.width, mesh_.height);
-    std::vector<std::pair<KnotIndex, KnotIndex>> ends;
-    for (const mesh::FeatureSegment& s : mesh_.segments) {
-      const Vec2 a = mesh_.knots[s.knots.front()].position;
-      const Vec2 b = mesh_.knots[s.knots.back()].position;
+  /// What new knots have to keep away from.
+  void take_places() {
+    for (std::uint32_t s = 0; s < mesh_.segments.size(); ++s) {
+      const auto [a, b] = segment(s);
       // Long ones in pieces, so that they do not reach all cells of their box.
       const int count = 1 + static_cast<int>(norm(b - a) / (2 * kCell));
       for (int i = 0; i < count; ++i) {
         const Vec2 p = a + (static_cast<double>(i) / count) * (b - a);
         const Vec2 q = a + (static_cast<double>(i + 1) / count) * (b - a);
-        pieces.add({std::min(p.x, q.x), std::min(p.y, q.y)}, {std::max(p.x, q.x), std::max(p.y, q.y)},
-                   static_cast<std::uint32_t>(ends.size()));
+        pieces_.add({std::min(p.x, q.x), std::min(p.y, q.y)}, {std::max(p.x, q.x), std::max(p.y, q.y)}, s);
       }
-      ends.emplace_back(s.knots.front(), s.knots.back());
     }
     for (KnotIndex k = 0; k < mesh_.knots.size(); ++k)
-      knots.add(mesh_.knots[k].position, mesh_.knots[k].position, k);
+      knots_.add(mesh_.knots[k].position, mesh_.knots[k].position, k);
+  }
+
+  std::pair<Vec2, Vec2> segment(std::uint32_t s) const {
+    const std::vector<KnotIndex>& knots = mesh_.segments[s].knots;
+    return {mesh_.knots[knots.front()].position, mesh_.knots[knots.back()].position};
+  }
+
+  bool has_room(Vec2 p, KnotKind kind, double least) {
+    const double inset = kind == KnotKind::kFree ? least : 0;
+    bool room = p.x >= inset && p.y >= inset && p.x <= mesh_.width - inset && p.y <= mesh_.height - inset;
+    if (!room) return false;
+    pieces_.near(p, least, [&](std::uint32_t s) {
+      const auto [a, b] = segment(s);
+      room = room && distance_to_segment(p, a, b) >= least;
+    });
+    knots_.near(p, least,
+                [&](KnotIndex other) { room = room && norm(mesh_.knots[other].position - p) >= least; });
+    return room;
+  }
+
+  void add_free_knots(double least, CarryReport& report) {
     for (KnotIndex k = 0; k < before_.knots.size(); ++k) {
       const KnotKind kind = before_.knots[k].kind;
       if (kind != KnotKind::kFree && kind != KnotKind::kBorder) continue;
       const Vec2 p = targets_[k];
-      bool fits = p.x >= 0 && p.y >= 0 && p.x <= mesh_.width && p.y <= mesh_.height;
-      const bool on_border = mesh::on_side(mesh_, p);
-      if (kind == KnotKind::kFree) {
-        fits =
-            fits && p.x >= least && p.y >= least && p.x <= mesh_.width - least && p.y <= mesh_.height - least;
-      } else {
-        fits = fits && on_border;
-      }
-      if (fits)
-        pieces.near(p, least, [&](std::uint32_t s) {
-          fits = fits && distance_to_segment(p, mesh_.knots[ends[s].first].position,
-                                             mesh_.knots[ends[s].second].position) >= least;
-        });
-      if (fits)
-        knots.near(p, least,
-                   [&](KnotIndex other) { fits = fits && norm(mesh_.knots[other].position - p) >= least; });
-      if (!fits) {
+      if (!has_room(p, kind, least)) {
         ++report.removed;
         continue;
       }
       report.moved += p != before_.knots[k].position ? 1 : 0;
-      knots.add(p, p, static_cast<KnotIndex>(mesh_.knots.size()));
+      knots_.add(p, p, static_cast<KnotIndex>(mesh_.knots.size()));
       mesh_.knots.push_back({p, kind, before_.knots[k].id});
     }
   }
+
+  KnotId new_id() { return KnotId{next_id_++}; }
 
   const KnotMesh& before_;
   std::span<const Vec2> targets_;
   std::uint32_t& next_id_;
   KnotMesh mesh_;
+  Grid pieces_;  ///< of segments
+  Grid knots_;
 };
 
 }  // namespace

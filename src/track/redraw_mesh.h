@@ -13,7 +13,8 @@ namespace knotreel::track {
 /// @param features their knots and those of the domain; ids do not matter.
 /// @param before   sound. @param targets by knot of it, as knot_targets() gives them.
 /// @param next_id  least id of knots to come; goes on.
-/// @return a sound mesh.
+/// @param options  free knots keep min_distance from features and from each other, or are taken away.
+/// @return a sound mesh. @throws Error{kInvalidArgument} if the features make none.
 mesh::KnotMesh redraw_mesh(const mesh::KnotMesh& features, const mesh::KnotMesh& before,
                            std::span<const Vec2> targets, const CarryOptions& options, std::uint32_t& next_id,
                            CarryReport& report);

@@ -280,10 +280,17 @@ class Tracker::Impl {
     for (std::size_t k = 0; k < points.size(); ++k) {
       if (next_mesh_.knots[k].kind == mesh::KnotKind::kVertex) vertices.push_back(points[k] + moves[k]);
     }
-    drawn_ = std::make_unique<DrawnFeatures>(picture, *options_.drawn, most_functions_, vertices, *frame_.drawn);
+    drawn_ =
+        std::make_unique<DrawnFeatures>(picture, *options_.drawn, most_functions_, vertices, *frame_.drawn);
     next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
-    return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry, next_id_,
-                       report_->changes.carry);
+    try {
+      return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry,
+                         next_id_, report_->changes.carry);
+    } catch (const Error& e) {  // never seen
+      if (e.kind() != ErrorKind::kInvalidArgument) throw;
+      drawn_.reset();
+      return carried_mesh(motion);
+    }
   }
 
   /// Where the knots of the mesh prepared for this frame have gone.

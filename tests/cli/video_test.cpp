@@ -53,6 +53,41 @@ TEST_F(CliVideo, TranscodeKeepsFramesAndTimes) {
   for (std::size_t i = 0; i < times_.size(); ++i) EXPECT_EQ(info["frames"][i]["pts"], times_[i]);
 }
 
+/// Flat colours: a disc that moves over a box.
+image::Image drawn_picture(int frame) {
+  image::Image image = image::make_image(120, 90, 3);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const double distance = std::hypot(x + 0.5 - 30 - 1.5 * frame, y + 0.5 - 45);
+      const double disc = std::clamp(20 - distance + 0.5, 0.0, 1.0);
+      const double ground = x > 60 && x < 105 && y > 20 && y < 70 ? 60 : 230;
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = float((1 - disc) * ground + disc * (c == 0 ? 220 : 40));
+    }
+  }
+  return image;
+}
+
+TEST_F(CliVideo, DrawnFramesCanBeMadeAsFilm) {
+  for (int i = 0; i < 4; ++i)
+    image::write_image(path("drawn_" + std::to_string(i) + ".png"), drawn_picture(i));
+  const auto stats = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"transcode", path("drawn_%d.png"),   "-f",
+                                       "null",      "--max-control-points", "1000",
+                                       "--stats",   path("stats.json")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_success(knotreel(arguments));
+    return json::parse(read_text(path("stats.json")));
+  };
+  const json drawn = stats({});
+  const json film = stats({"--no-drawn-frames"});
+  EXPECT_EQ(drawn["tracking"]["drawn_frames"], true);
+  EXPECT_EQ(film["tracking"]["drawn_frames"], false);
+  EXPECT_EQ(stats({"--no-features"})["tracking"]["drawn_frames"], false);
+  EXPECT_GT(test::json_psnr(drawn), test::json_psnr(film) + 2);
+  EXPECT_TRUE(drawn["frames"][1]["model"].contains("mixed"));
+  EXPECT_FALSE(film["frames"][1]["model"].contains("mixed"));
+}
+
 TEST_F(CliVideo, AllWildcardsMeanPictures) {
   for (const char* name : {"in_1.png", "in_2.png", "in_[3].png"}) {
     image::write_image(path(name), test::moving_picture(48, 32, 3, 0));

@@ -364,5 +364,80 @@ TEST(Parametrize, MisuseIsRefused) {
   refused([](auto&, ParametrizeOptions& o) { o.decay = -1; });
 }
 
+/// The vertices of polylines, as places in the picture.
+std::vector<Vec2> vertex_places(const Parametrization& p) {
+  std::vector<Vec2> places;
+  for (const CurveSample& s : p.curve_samples)
+    if (s.t == 0 || s.t == 1) places.push_back(s.position);
+  return places;
+}
+
+void prefer(FeatureChains& chains, const std::vector<Vec2>& places) {
+  for (features::Chain& chain : chains.chains) {
+    for (features::ChainPoint& p : chain.points) {
+      p.preferred =
+          std::any_of(places.begin(), places.end(), [&](Vec2 v) { return norm(p.position - v) < 1e-9; });
+    }
+  }
+}
+
+TEST(Parametrize, PreferredPointsAreVerticesInPlaceOfOthers) {
+  FeatureChains chains = [] {
+    ChainBuilder b(80, 80);
+    b.add(arc({40, 40}, 25), true);
+    return std::move(b.chains);
+  }();
+  ParametrizeOptions options;
+  options.polyline_distance = 1;
+  const std::vector<Vec2> by_itself = vertex_places(first_polylines(chains, options));
+  // Half way between those that it would have.
+  std::vector<Vec2> wanted;
+  const std::vector<features::ChainPoint>& points = chains.chains[0].points;
+  std::vector<std::size_t> at;
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (std::any_of(by_itself.begin(), by_itself.end(),
+                    [&](Vec2 v) { return norm(points[i].position - v) < 1e-9; }))
+      at.push_back(i);
+  ASSERT_EQ(at.size(), by_itself.size());
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    const std::size_t next = i + 1 < at.size() ? at[i + 1] : at[0] + points.size();
+    wanted.push_back(points[(at[i] + next) / 2 % points.size()].position);
+  }
+  prefer(chains, wanted);
+  const std::vector<Vec2> led = vertex_places(first_polylines(chains, options));
+  for (const Vec2 v : wanted)
+    EXPECT_TRUE(std::any_of(led.begin(), led.end(), [&](Vec2 w) { return norm(v - w) < 1e-9; }))
+        << v.x << ' ' << v.y;
+  EXPECT_LE(led.size(), by_itself.size() + 2);
+  run_sound(chains);
+}
+
+TEST(Parametrize, PreferredPointsThatNobodyNeedsAreNoVertices) {
+  FeatureChains chains = [] {
+    ChainBuilder b(80, 40);
+    b.add({{10, 10}, {70, 30}});
+    return std::move(b.chains);
+  }();
+  const std::size_t count = first_polylines(chains).vertices.size();
+  for (features::ChainPoint& p : chains.chains[0].points) p.preferred = true;
+  EXPECT_EQ(first_polylines(chains).vertices.size(), count);
+}
+
+TEST(Parametrize, AnyPreferencesGiveSoundPolylines) {
+  for (unsigned seed = 1; seed <= 12; ++seed) {
+    FeatureChains chains = random_chains(96, 80, 14, seed);
+    unsigned state = seed;
+    for (features::Chain& chain : chains.chains) {
+      for (features::ChainPoint& p : chain.points) {
+        state = state * 1664525U + 1013904223U;
+        p.preferred = state >> 29 == 0;
+      }
+    }
+    SCOPED_TRACE(seed);
+    const Parametrization p = run_sound(chains);
+    for (const Polyline& line : p.polylines) EXPECT_GE(line.vertices.size(), line.closed ? 3U : 2U);
+  }
+}
+
 }  // namespace
 }  // namespace knotreel::param

@@ -137,5 +137,17 @@ TEST(BendGeometry, DoingItAgainChangesLittle) {
   for (std::size_t g = 0; g < again.size(); ++g) EXPECT_LT(norm(again[g] - displacement[g]), 0.01) << g;
 }
 
+TEST(BendGeometry, AYieldingSheetBringsCurvesCloser) {
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(crowded_feature(), 2));
+  const auto mean_error = [&](const Sheet& sheet) {
+    std::vector<Vec2> displacement(basis.space().geometry_count());
+    bend_geometry(basis, arc(1), displacement, {}, sheet);
+    const std::vector<double> errors = fit::geometry_errors(basis, displacement, arc(1));
+    return std::accumulate(errors.begin(), errors.end(), 0.0) / static_cast<double>(errors.size());
+  };
+  const double yielding = mean_error({.stiffness = 0, .elasticity = 0.03, .inertia = 0.001});
+  EXPECT_LT(yielding, 0.5 * mean_error({}));
+}
+
 }  // namespace
 }  // namespace knotreel::track

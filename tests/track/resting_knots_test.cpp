@@ -9,16 +9,16 @@
 namespace knotreel::track {
 namespace {
 
-constexpr int kFrames = 2;
+constexpr int kFramesToRest = 2;
 
 /// At rest but for one cell.
 motion::Rest rest_but_at(int width, int height, int x, int y) {
-  motion::Rest rest(kFrames);
+  motion::Rest rest(kFramesToRest);
   rest.start(width, height);
   const auto columns = static_cast<std::size_t>((width + 7) / 8);
   std::vector<std::uint8_t> unchanged(columns * static_cast<std::size_t>((height + 7) / 8), 1);
   unchanged[static_cast<std::size_t>(y / 8) * columns + static_cast<std::size_t>(x / 8)] = 0;
-  for (int i = 0; i < kFrames; ++i) rest.add(unchanged);
+  for (int i = 0; i < kFramesToRest; ++i) rest.add(unchanged);
   return rest;
 }
 

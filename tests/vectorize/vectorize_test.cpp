@@ -542,6 +542,18 @@ TEST(Vectorize, FramesOfVideosAreNotFittedToMixedPixels) {
   EXPECT_EQ(video_options({}).mixed_weight, 0);
 }
 
+TEST(VideoOptions, DrawnFramesHaveWhatPicturesHaveButForFaintAndWeakFeatures) {
+  Options picture;
+  picture.mec = 1.5;
+  const Options drawn = drawn_video_options(picture);
+  EXPECT_TRUE(drawn.corner_detection);
+  EXPECT_EQ(drawn.mixed_weight, picture.mixed_weight);
+  EXPECT_EQ(drawn.feature_share, picture.feature_share);
+  EXPECT_EQ(drawn.mec, 1.5);
+  EXPECT_EQ(drawn.drawn_threshold, 0) << "codecs leave faint traces";
+  EXPECT_EQ(drawn.drawn_weak_share, picture.feature_share) << "whether a feature is weak changes";
+}
+
 TEST(Vectorize, StopsWhenTheObserverThrows) {
   const image::Image picture = still_life(60, 50);
   EXPECT_THROW(vectorize_picture(picture, {},

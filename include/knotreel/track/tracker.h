@@ -24,7 +24,7 @@ namespace knotreel::track {
 struct TrackOptions {
   /// vectorize::drawn_video_options(), for drawings (features::is_drawing()) that are better with them; null:
   /// none are looked at so.
-  std::shared_ptr<const vectorize::Options> drawn;
+  std::shared_ptr<const vectorize::Options> drawn = nullptr;
   bool warm_start = true;  ///< false: every frame is made from its picture alone
   /// Share of what the frame before missed that this one is not asked to mend, along motion, 0 to 1: keeps
   /// noise from flickering. Where nothing moves it counts twice.

@@ -1,0 +1,127 @@
+#include "track/drawn_features.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "knotreel/fit/geometry_fit.h"
+#include "knotreel/spline/space.h"
+#include "track/drawn_scene.h"
+
+namespace knotreel::track {
+namespace {
+
+using testing::drawing;
+
+constexpr FeatureLimits kAll{.share = 0.6};
+
+vectorize::Options options() {
+  return vectorize::drawn_video_options({});
+}
+
+std::vector<Vec2> vertices_of(const mesh::KnotMesh& mesh) {
+  std::vector<Vec2> result;
+  for (const mesh::Knot& k : mesh.knots)
+    if (k.kind == mesh::KnotKind::kVertex) result.push_back(k.position);
+  return result;
+}
+
+TEST(DrawnFeatures, CurvesComeToLieOnTheEdges) {
+  const image::Image picture = drawing(40, 40);
+  const DrawnFeatures features(picture, options(), 1000, {}, kAll);
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(features.knots(), 2));
+  std::vector<Vec2> displacement(basis.space().geometry_count());
+  features.displace(basis, {}, 0.95, 1.0 / 16, displacement);
+  // Of the disk: all that is not of the box.
+  std::vector<Vec2> points;
+  for (const mesh::FeatureSegment& s : features.knots().segments) {
+    const Vec2 a = features.knots().knots[s.knots.front()].position;
+    const Vec2 b = features.knots().knots[s.knots.back()].position;
+    for (int i = 1; i < 8; ++i) points.push_back(a + (i / 8.0) * (b - a));
+  }
+  const std::vector<Vec2> drawn = fit::image_points(basis, displacement, points);
+  int of_disk = 0;
+  double sum = 0;
+  for (const Vec2 p : drawn) {
+    const double off = std::abs(norm(p - Vec2{40, 40}) - 20);
+    if (off > 1) continue;
+    ++of_disk;
+    sum += off;
+  }
+  EXPECT_GT(of_disk, 40);
+  EXPECT_LT(sum / of_disk, 0.08);
+}
+
+TEST(DrawnFeatures, WhatIsHeldKeepsItsDisplacement) {
+  const image::Image picture = drawing(40, 40);
+  const DrawnFeatures features(picture, options(), 1000, {}, kAll);
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(features.knots(), 2));
+  std::vector<Vec2> found(basis.space().geometry_count(), Vec2{0.25, 0});
+  features.displace(basis, {}, 0.95, 1.0 / 16, found);
+  std::vector<std::uint8_t> held(found.size(), 1);
+  std::vector<Vec2> again = found;
+  features.displace(basis, held, 0.95, 1.0 / 16, again);
+  std::size_t same = 0;
+  for (std::size_t g = 0; g < found.size(); ++g) same += again[g] == found[g] ? 1 : 0;
+  EXPECT_GE(double(same), 0.9 * double(found.size()));  // folds are undone all the same
+  std::fill(again.begin(), again.end(), Vec2{0.5, -0.25});
+  features.displace(basis, {}, 0.95, 1.0 / 16, again);
+  EXPECT_EQ(again, found) << "what was there before counts";
+}
+
+TEST(DrawnFeatures, VerticesStayWhereTheyMayAsWell) {
+  const image::Image before = drawing(40, 40);
+  const image::Image now = drawing(41.3, 40.4);
+  const DrawnFeatures first(before, options(), 1000, {}, kAll);
+  std::vector<Vec2> moved = vertices_of(first.knots());
+  for (Vec2& v : moved) {
+    if (std::abs(norm(v - Vec2{40, 40}) - 20) < 1.5) v = v + Vec2{1.3, 0.4};
+  }
+  const auto kept = [&](const DrawnFeatures& features) {
+    const std::vector<Vec2> found = vertices_of(features.knots());
+    return std::count_if(moved.begin(), moved.end(), [&](Vec2 v) {
+      return std::any_of(found.begin(), found.end(), [&](Vec2 w) { return norm(v - w) < 1; });
+    });
+  };
+  const DrawnFeatures led(now, options(), 1000, moved, kAll);
+  const DrawnFeatures alone(now, options(), 1000, {}, kAll);
+  EXPECT_GT(kept(led), kept(alone));
+  EXPECT_GE(kept(led), std::ptrdiff_t(moved.size()) - 2);
+  EXPECT_LE(vertices_of(led.knots()).size(), vertices_of(alone.knots()).size() + 4);
+}
+
+/// A bound at which features just about have to go: what is there stays, and what is not stays away.
+TEST(DrawnFeatures, LimitsGiveWayToWhatWasBefore) {
+  const image::Image picture = drawing(40, 40);
+  const DrawnFeatures all(picture, options(), 10000, {}, kAll);
+  ASSERT_FALSE(all.limits().strong_dropped);
+  const std::size_t most = all.knots().knots.size();
+  std::size_t stays = 0;
+  std::size_t returns = 0;
+  for (std::size_t bound = most; bound < 12 * most; bound += most / 8) {
+    const DrawnFeatures had(picture, options(), bound, {}, {.share = 0.6});
+    const DrawnFeatures lacked(picture, options(), bound, {},
+                               {.share = 0.6, .weak_dropped = true, .strong_dropped = true});
+    if (stays == 0 && !had.limits().strong_dropped) stays = bound;
+    if (returns == 0 && !lacked.limits().strong_dropped) returns = bound;
+  }
+  ASSERT_GT(stays, most);
+  ASSERT_GT(returns, 0U);
+  EXPECT_GT(double(returns), 1.4 * double(stays));
+}
+
+TEST(DrawnFeatures, APictureWithoutFeaturesHasTheDomainAlone) {
+  image::Image flat = image::make_image(40, 30, 3);
+  const DrawnFeatures features(flat, options(), 1000, std::vector<Vec2>{{3, 4}}, kAll);
+  EXPECT_EQ(features.knots().knots.size(), 4U);
+  EXPECT_TRUE(features.knots().segments.empty());
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(features.knots(), 2));
+  std::vector<Vec2> displacement(basis.space().geometry_count(), Vec2{0.25, 0.25});
+  features.displace(basis, {}, 0.95, 1.0 / 16, displacement);
+  for (const Vec2 d : displacement) EXPECT_EQ(d, Vec2{});
+}
+
+}  // namespace
+}  // namespace knotreel::track

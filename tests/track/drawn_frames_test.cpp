@@ -1,0 +1,207 @@
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <optional>
+#include <sstream>
+#include <string>
+
+#include "knotreel/base/parallel.h"
+#include "knotreel/document/writer.h"
+#include "knotreel/raster/render.h"
+#include "knotreel/track/tracker.h"
+#include "support/pictures.h"
+#include "track/cold_frame.h"
+#include "track/drawn_scene.h"
+
+namespace knotreel::track {
+namespace {
+
+using testing::drawing;
+using testing::drawn_clip;
+
+vectorize::Options picture_options(std::size_t most = 1000) {
+  vectorize::Options options = vectorize::group_preset_options(vectorize::Preset::kBalanced);
+  options.max_control_points = most;
+  return options;
+}
+
+TrackOptions drawn_options(std::size_t most = 1000) {
+  TrackOptions options;
+  options.drawn =
+      std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(picture_options(most)));
+  return options;
+}
+
+struct Tracked {
+  std::vector<document::FrameModel> models;
+  std::vector<FrameReport> reports;
+  double psnr = 0;  ///< of all frames as drawn
+};
+
+Tracked track(const std::vector<image::Image>& pictures, const TrackOptions& options,
+              std::size_t most = 1000) {
+  Tracker tracker(vectorize::video_options(picture_options(most)), options);
+  Tracked run;
+  double squares = 0;
+  std::size_t count = 0;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    std::optional<Motion> motion;
+    if (i > 0) motion = motion_between(pictures[i - 1], pictures[i]);
+    FrameReport report;
+    run.models.push_back(tracker.next(pictures[i], motion ? &*motion : nullptr, &report));
+    run.reports.push_back(report);
+    const std::vector<float> seen = raster::render(run.models.back());
+    for (std::size_t s = 0; s < seen.size(); ++s) {
+      const double d = std::clamp(double{seen[s]}, 0.0, 255.0) - double{pictures[i].samples[s]};
+      squares += d * d;
+    }
+    count += seen.size();
+  }
+  run.psnr = 10 * std::log10(255.0 * 255.0 * double(count) / squares);
+  return run;
+}
+
+std::size_t bytes_of(const Tracked& run) {
+  std::ostringstream out;
+  document::SequenceInfo info;
+  info.width = 120;
+  info.height = 90;
+  info.channels = 3;
+  document::Writer writer(out, info);
+  std::int64_t pts = 0;
+  for (document::FrameModel model : run.models) {
+    model.pts = pts++;
+    writer.append(model);
+  }
+  writer.finish();
+  return out.str().size();
+}
+
+TEST(DrawnFrames, AreFarBetterThanAsFilmAndStillWarm) {
+  const std::vector<image::Image> pictures = drawn_clip(9);
+  const Tracked drawn = track(pictures, drawn_options());
+  const Tracked film = track(pictures, {});
+  EXPECT_GT(drawn.psnr, film.psnr + 3);
+  EXPECT_GT(drawn.psnr, 42);
+  double survival = 0;
+  for (std::size_t i = 1; i < pictures.size(); ++i) {
+    EXPECT_EQ(drawn.reports[i].start, Start::kWarm) << i;
+    survival += drawn.reports[i].survival;
+  }
+  EXPECT_GT(survival / double(pictures.size() - 1), 0.7);
+}
+
+TEST(DrawnFrames, HaveTheFeaturesOfTheirOwnPicture) {
+  std::vector<image::Image> pictures{drawing(34, 40), drawing(36, 40)};
+  // Another disk appears at once.
+  const image::Image other = drawing(90, 20, 52);
+  for (std::size_t i = 0; i < other.samples.size(); ++i) {
+    const std::size_t x = i / 3 % 120, y = i / 3 / 120;
+    if (x > 64 && y < 44) pictures[1].samples[i] = other.samples[i];
+  }
+  const Tracked run = track(pictures, drawn_options());
+  ASSERT_EQ(run.reports[1].start, Start::kWarm);
+  std::size_t near = 0;
+  const mesh::KnotMesh& mesh = run.models[1].space->mesh();
+  for (const mesh::FeatureSegment& s : mesh.segments) {
+    const Vec2 middle = 0.5 * (mesh.knots[s.knots.front()].position + mesh.knots[s.knots.back()].position);
+    near += std::abs(norm(middle - Vec2{90, 20}) - 20) < 1.5 ? 1 : 0;
+  }
+  EXPECT_GE(near, 5U);
+}
+
+TEST(DrawnFrames, StayTheSameWhereNothingChanges) {
+  std::vector<image::Image> pictures;
+  for (int i = 0; i < 12; ++i) pictures.push_back(drawing(34, 40, 60));
+  // A dot that moves in a corner.
+  for (int i = 0; i < 12; ++i) {
+    for (int y = 2; y < 8; ++y)
+      for (int x = 100 - 4 * i; x < 106 - 4 * i; ++x)
+        for (int c = 0; c < 3; ++c) pictures[std::size_t(i)].at(x, y, c) = 10;
+  }
+  const Tracked run = track(pictures, drawn_options());
+  const mesh::KnotMesh& before = run.models[10].space->mesh();
+  const mesh::KnotMesh& now = run.models[11].space->mesh();
+  std::size_t same = 0;
+  std::size_t below = 0;
+  for (const mesh::Knot& k : now.knots) {
+    if (k.position.y < 15) continue;
+    ++below;
+    same += std::any_of(before.knots.begin(), before.knots.end(),
+                        [&](const mesh::Knot& b) { return b.id == k.id && b.position == k.position; });
+  }
+  EXPECT_GT(below, 40U);
+  EXPECT_GE(double(same), 0.95 * double(below));
+}
+
+TEST(DrawnFrames, DoNotDependOnTheNumberOfThreads) {
+  const std::vector<image::Image> pictures = drawn_clip(4);
+  const auto with = [&](int threads) {
+    const ThreadCap cap(threads);
+    return track(pictures, drawn_options());
+  };
+  const Tracked serial = with(1);
+  const Tracked parallel = with(3);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    EXPECT_EQ(serial.models[i].colour, parallel.models[i].colour) << i;
+    EXPECT_EQ(serial.models[i].displacement, parallel.models[i].displacement) << i;
+  }
+}
+
+TEST(DrawnFrames, CanBeStoredAsDeltas) {
+  const Tracked run = track(drawn_clip(6), drawn_options());
+  Tracked keys = run;
+  for (document::FrameModel& model : keys.models) model.keyframe = true;
+  EXPECT_LT(double(bytes_of(run)), 0.8 * double(bytes_of(keys)));
+}
+
+TEST(DrawnFrames, WhatIsNoDrawingIsFilm) {
+  std::vector<image::Image> pictures;
+  for (int i = 0; i < 3; ++i) pictures.push_back(test::random_8bit_picture(64, 48, 3, 5));
+  for (int i = 1; i < 3; ++i) pictures[std::size_t(i)].at(7 * i, 9, 0) += 3;
+  const Tracked with = track(pictures, drawn_options(300), 300);
+  const Tracked without = track(pictures, {}, 300);
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    EXPECT_EQ(with.models[i].colour, without.models[i].colour) << i;
+}
+
+/// From a drawing to film and back, without a cut.
+TEST(DrawnFrames, MayBecomeFilmInTheMidstOfAGroup) {
+  std::vector<image::Image> pictures = drawn_clip(6);
+  const image::Image grain = test::random_8bit_picture(120, 90, 3, 9);
+  for (std::size_t s = 0; s < grain.samples.size(); ++s) pictures[3].samples[s] += 0.1F * grain.samples[s];
+  const Tracked run = track(pictures, drawn_options());
+  EXPECT_EQ(run.models.size(), 6U);
+  EXPECT_GT(run.reports[5].psnr, 35);
+}
+
+TEST(ColdFrame, ADrawingIsDrawnIfThatIsBetterAndThereIsRoom) {
+  const image::Image picture = drawing(34, 40);
+  const auto cold = [&](std::size_t most) {
+    const vectorize::Options film = vectorize::video_options(picture_options(most));
+    const vectorize::Options drawn = vectorize::drawn_video_options(picture_options(most));
+    return make_cold_frame(picture, film, &drawn, 2);
+  };
+  EXPECT_TRUE(cold(1000)->frame.drawn);
+  EXPECT_GT(cold(1000)->frame.drawn->share, 0.5);
+  EXPECT_FALSE(cold(60)->frame.drawn) << "it uses up all";
+  const vectorize::Options film = vectorize::video_options(picture_options());
+  EXPECT_FALSE(make_cold_frame(picture, film, &film, 2)->frame.drawn) << "it is no better";
+  EXPECT_FALSE(make_cold_frame(picture, film, nullptr, 2)->frame.drawn);
+}
+
+TEST(ColdFrame, WhatIsWatchedIsWhatIsKept) {
+  const image::Image picture = drawing(34, 40);
+  const vectorize::Options film = vectorize::video_options(picture_options());
+  const vectorize::Options drawn = vectorize::drawn_video_options(picture_options());
+  std::vector<std::string> stages;
+  const auto watched = make_cold_frame(picture, film, &drawn, 2,
+                                       [&](const vectorize::Progress& p) { stages.push_back(p.stage); });
+  EXPECT_EQ(std::count(stages.begin(), stages.end(), "features"), 1);
+  EXPECT_EQ(watched->frame.colours.control, make_cold_frame(picture, film, &drawn, 2)->frame.colours.control);
+}
+
+}  // namespace
+}  // namespace knotreel::track
