@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <chrono>
+#include <cmath>
 #include <functional>
 #include <utility>
 #include <vector>
@@ -27,12 +28,18 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// Pixels that features cross count, too.
-double psnr_as_drawn(const ColdFrame& cold, const image::Image& picture) {
+bool has_room(const ColdFrame& cold, std::size_t most_functions) {
+  return static_cast<double>(cold.frame.space->function_count()) <=
+         kMostOfBound * static_cast<double>(most_functions);
+}
+
+/// PSNR as drawn, for as many control points: half of them is worth about 3 dB.
+double worth(const ColdFrame& cold, const image::Image& picture) {
   std::vector<float> residual = raster::render(model_of(cold.frame, picture.channels));
   std::transform(picture.samples.begin(), picture.samples.end(), residual.begin(), residual.begin(),
                  std::minus());
-  return quality_of(residual, {}, picture).psnr;
+  return quality_of(residual, {}, picture).psnr -
+         10 * std::log10(static_cast<double>(cold.frame.space->function_count()));
 }
 
 }  // namespace
@@ -77,9 +84,8 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
   const Clock::time_point start = Clock::now();
   parallel_invoke([&] { film = cold_frame_with(options, false, picture, colour_step, {}); },
                   [&] { drawing = cold_frame_with(*drawn, true, picture, colour_step, {}); });
-  const double room = kMostOfBound * static_cast<double>(vectorize::most_control_points(*drawn, picture));
-  const bool is_drawn = static_cast<double>(drawing->frame.space->function_count()) <= room &&
-                        psnr_as_drawn(*drawing, picture) >= psnr_as_drawn(*film, picture) + kGainOfDrawing;
+  const bool is_drawn = has_room(*drawing, vectorize::most_control_points(*drawn, picture)) &&
+                        worth(*drawing, picture) >= worth(*film, picture) + kGainOfDrawing;
   // What is watched is what is kept, at the price of doing it twice.
   if (observer) return cold_frame_with(is_drawn ? *drawn : options, is_drawn, picture, colour_step, observer);
   std::shared_ptr<ColdFrame> better = std::move(is_drawn ? drawing : film);

@@ -27,7 +27,7 @@ DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Optio
   const vectorize::Observer nobody;
   vectorize::RunLog log(picture, nobody);
   log.begin_round("features");
-  vectorize::map_curves(picture, limited, most_functions, vertices, log, mapped_);
+  is_sound_ = vectorize::map_curves(picture, limited, most_functions, vertices, log, mapped_);
   limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share};
 }
 

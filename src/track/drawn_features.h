@@ -24,6 +24,9 @@ class DrawnFeatures {
   DrawnFeatures(const image::Image& picture, const vectorize::Options& options, std::size_t most_functions,
                 std::span<const Vec2> vertices, const FeatureLimits& before);
 
+  /// Whether they make a mesh; if not, they are of no use.
+  bool is_sound() const { return is_sound_; }
+
   /// The knots of the features, and those of the domain.
   const mesh::KnotMesh& knots() const { return mapped_.knots; }
   const FeatureLimits& limits() const { return limits_; }
@@ -38,6 +41,7 @@ class DrawnFeatures {
  private:
   vectorize::MappedPicture mapped_;
   FeatureLimits limits_;
+  bool is_sound_ = true;
 };
 
 }  // namespace knotreel::track

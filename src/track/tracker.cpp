@@ -128,13 +128,14 @@ class Tracker::Impl {
     report.start = groups_.next(motion);
     most_functions_ = vectorize::most_control_points(cold_, picture);
     if (report.start == Start::kWarm) {
+      cold.reset();
       if (motion->repeated) {
         repeat();
-      } else {
-        make_warm(picture, *motion);
+      } else if (!try_warm(picture, *motion)) {
+        cold = cold_frame_as_before(picture);
       }
-      const bool look = misses_thresholds() && watch_.is_time_to_look(report.psnr);
-      cold = look ? better_cold_frame(picture) : nullptr;
+      if (!cold && misses_thresholds() && watch_.is_time_to_look(report.psnr))
+        cold = better_cold_frame(picture);
       if (cold) {
         report.start = Start::kDrift;
         report.survival = 0;  // what was done before was in vain
@@ -220,6 +221,18 @@ class Tracker::Impl {
     report_->mec = last_mec_;
   }
 
+  /// @return false if the features of a drawing make a mesh that documents cannot hold (never seen).
+  bool try_warm(const image::Image& picture, const Motion& motion) {
+    try {
+      make_warm(picture, motion);
+      return true;
+    } catch (const Error& e) {
+      if (!frame_.drawn || e.kind() != ErrorKind::kInvalidArgument) throw;
+      target_.reset();
+      return false;
+    }
+  }
+
   void make_warm(const image::Image& picture, const Motion& motion) {
     rework_last();
     rest_.add(motion.unchanged);
@@ -282,15 +295,13 @@ class Tracker::Impl {
     }
     drawn_ =
         std::make_unique<DrawnFeatures>(picture, *options_.drawn, most_functions_, vertices, *frame_.drawn);
-    next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
-    try {
-      return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry,
-                         next_id_, report_->changes.carry);
-    } catch (const Error& e) {  // never seen
-      if (e.kind() != ErrorKind::kInvalidArgument) throw;
+    if (!drawn_->is_sound()) {
       drawn_.reset();
       return carried_mesh(motion);
     }
+    next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
+    return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry, next_id_,
+                       report_->changes.carry);
   }
 
   /// Where the knots of the mesh prepared for this frame have gone.
@@ -326,6 +337,12 @@ class Tracker::Impl {
     return mesh.to_mesh();
   }
 
+  /// Drawn if the frame before is.
+  std::shared_ptr<ColdFrame> cold_frame_as_before(const image::Image& picture) const {
+    const bool is_drawn = frame_.drawn.has_value();
+    return cold_frame_with(is_drawn ? *options_.drawn : cold_, is_drawn, picture, options_.colour_step, {});
+  }
+
   /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to
   /// look again soon.
   std::shared_ptr<ColdFrame> better_cold_frame(const image::Image& picture) {
@@ -333,9 +350,7 @@ class Tracker::Impl {
     const double expected = expected_psnr();
     laps_->lap("difficulty");
     if (expected < report_->psnr + options_.restart_gain) return nullptr;
-    const bool is_drawn = frame_.drawn.has_value();
-    std::shared_ptr<ColdFrame> cold =
-        cold_frame_with(is_drawn ? *options_.drawn : cold_, is_drawn, picture, options_.colour_step, {});
+    std::shared_ptr<ColdFrame> cold = cold_frame_as_before(picture);
     laps_->add(std::exchange(cold->milliseconds, {}));
     const Quality quality = quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture);
     if (quality.psnr > report_->psnr + options_.restart_gain) return cold;

@@ -7,6 +7,7 @@
 #include "knotreel/features/corners.h"
 #include "knotreel/features/flat_share.h"
 #include "knotreel/features/prefer_points.h"
+#include "knotreel/features/space_points.h"
 #include "knotreel/fit/squared_errors.h"
 #include "knotreel/param/parametrized_image.h"
 #include "vectorize/feature_budget.h"
@@ -45,6 +46,15 @@ double weak_share(const Options& options, bool drawing) {
   return drawing ? std::max(options.weak_share, options.drawn_weak_share) : options.weak_share;
 }
 
+/// Shorter than they can be told from nothing on grids of knots. Where chains turn back by next to nothing,
+/// there may be some that only the map would undo.
+bool has_short_segments(const mesh::KnotMesh& mesh) {
+  constexpr double kShortest = 0.2;  // pixels
+  return std::any_of(mesh.segments.begin(), mesh.segments.end(), [&](const mesh::FeatureSegment& s) {
+    return norm(mesh.knots[s.knots.back()].position - mesh.knots[s.knots.front()].position) < kShortest;
+  });
+}
+
 class Mapping {
  public:
   Mapping(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
@@ -75,6 +85,8 @@ class Mapping {
     if (!mapped_.detected.chains.empty()) limit_features(expected_functions(mapped_.detected));
     for (;;) {
       fair();
+      features::space_points(mapped_.faired);
+      features::prefer_points(mapped_.faired, vertices_);
       do {
         if (!find_polylines()) return false;
       } while (mapped_.has_features() && be_coarser(functions_of_knots()));
@@ -111,7 +123,6 @@ class Mapping {
     if (options_.fairing) features::fair_chains(mapped_.faired, options_.fair);
     if (options_.corner_detection)
       log_.report.corners = features::sharpen_corners(picture_, mapped_.faired, options_.corners);
-    features::prefer_points(mapped_.faired, vertices_);
     log_.progress.faired = &mapped_.faired;
     log_.lap("fair");
     log_.show("fairing");
@@ -156,7 +167,7 @@ class Mapping {
       return false;
     }
     log_.lap("polylines");
-    return true;
+    return !has_short_segments(mapped_.knots);
   }
 
   /// Goes back from the finer polylines of drawings if features would then use up too much.
@@ -232,11 +243,11 @@ void map_features(const image::Image& picture, const Options& options, std::size
   mapping.map();
 }
 
-void map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
+bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
                 std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped) {
   Mapping mapping(picture, options, max_functions, log, mapped, vertices);
   mapping.find();
-  if (!mapping.map_curves()) mapping.map();
+  return mapping.map_curves();
 }
 
 knots::Target make_target(const image::Image& picture, const MappedPicture& mapped) {

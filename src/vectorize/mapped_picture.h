@@ -36,7 +36,8 @@ void map_features(const image::Image& picture, const Options& options, std::size
 /// The same without the pixels, which is a part of the work: neither the corrected picture nor the image mesh
 /// is made, and the map has no pixels.
 /// @param vertices where polylines had vertices in the picture before, which may as well stay.
-void map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
+/// @return whether the knots are those of a sound mesh; if not, what is mapped is of no use.
+bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
                 std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped);
 
 /// The picture over the domain, where knots are placed.

@@ -1,0 +1,12 @@
+#pragma once
+
+#include "knotreel/features/chains.h"
+
+namespace knotreel::features {
+
+/// Spreads the points next to corners and ends of chains that lie within half a pixel of these evenly over
+/// the way to the first one farther away. Where several curves meet, the place that fits them all best can be
+/// next to a point of one of them, or behind it, and a polyline would turn back for a hundredth of a pixel.
+void space_points(FeatureChains& chains);
+
+}  // namespace knotreel::features
