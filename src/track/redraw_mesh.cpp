@@ -150,7 +150,6 @@ class Redrawing {
       const bool is_same = found != known.end() && found->second.size() == s.knots.size();
       for (std::size_t i = 1; i + 1 < s.knots.size(); ++i)
         mesh_.knots[s.knots[i]].id = is_same ? before_.knots[found->second[i]].id : new_id();
-      if (found != known.end()) known.erase(found);
     }
   }
 

@@ -181,12 +181,16 @@ TEST(ColdFrame, ADrawingIsDrawnIfThatIsBetterAndThereIsRoom) {
   const image::Image picture = drawing(34, 40);
   const auto cold = [&](std::size_t most) {
     const vectorize::Options film = vectorize::video_options(picture_options(most));
-    const vectorize::Options drawn = vectorize::drawn_video_options(picture_options(most));
+    vectorize::Options options = picture_options(most);
+    options.feature_share = 1;
+    const vectorize::Options drawn = vectorize::drawn_video_options(options);
     return make_cold_frame(picture, film, &drawn, 2);
   };
   EXPECT_TRUE(cold(1000)->frame.drawn);
   EXPECT_GT(cold(1000)->frame.drawn->share, 0.5);
-  EXPECT_FALSE(cold(60)->frame.drawn) << "it uses up all";
+  const std::size_t used = cold(1000)->frame.space->function_count();
+  EXPECT_TRUE(cold(used * 11 / 10)->frame.drawn);
+  EXPECT_FALSE(cold(used + 2)->frame.drawn) << "it uses up all";
   const vectorize::Options film = vectorize::video_options(picture_options());
   EXPECT_FALSE(make_cold_frame(picture, film, &film, 2)->frame.drawn) << "it is no better";
   EXPECT_FALSE(make_cold_frame(picture, film, nullptr, 2)->frame.drawn);
