@@ -132,7 +132,7 @@ class Tracker::Impl {
       if (motion->repeated) {
         repeat();
       } else if (!try_warm(picture, *motion)) {
-        cold = cold_frame_as_before(picture);
+        cold = cold_frame(picture);
       }
       if (!cold && misses_thresholds() && watch_.is_time_to_look(report.psnr))
         cold = better_cold_frame(picture);
@@ -337,10 +337,11 @@ class Tracker::Impl {
     return mesh.to_mesh();
   }
 
-  /// Drawn if the frame before is.
-  std::shared_ptr<ColdFrame> cold_frame_as_before(const image::Image& picture) const {
-    const bool is_drawn = frame_.drawn.has_value();
-    return cold_frame_with(is_drawn ? *options_.drawn : cold_, is_drawn, picture, options_.colour_step, {});
+  /// What was drawn so far is tried no more.
+  std::shared_ptr<ColdFrame> cold_frame(const image::Image& picture) const {
+    if (frame_.drawn && features::is_drawing(picture))
+      return cold_frame_with(*options_.drawn, true, picture, options_.colour_step, {});
+    return make_cold_frame(picture, cold_, options_.drawn.get(), options_.colour_step);
   }
 
   /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to
@@ -350,7 +351,7 @@ class Tracker::Impl {
     const double expected = expected_psnr();
     laps_->lap("difficulty");
     if (expected < report_->psnr + options_.restart_gain) return nullptr;
-    std::shared_ptr<ColdFrame> cold = cold_frame_as_before(picture);
+    std::shared_ptr<ColdFrame> cold = cold_frame(picture);
     laps_->add(std::exchange(cold->milliseconds, {}));
     const Quality quality = quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture);
     if (quality.psnr > report_->psnr + options_.restart_gain) return cold;

@@ -177,6 +177,32 @@ TEST(DrawnFrames, MayBecomeFilmInTheMidstOfAGroup) {
   EXPECT_GT(run.reports[5].psnr, 35);
 }
 
+/// From black: there the one is as good as the other.
+std::vector<image::Image> fading_in(const image::Image& picture) {
+  std::vector<image::Image> pictures;
+  for (const float light : {0.0F, 0.15F, 0.3F, 0.45F, 0.6F, 0.8F, 1.0F}) {
+    pictures.push_back(picture);
+    for (float& sample : pictures.back().samples) sample *= light;
+  }
+  return pictures;
+}
+
+TEST(DrawnFrames, ADrawingMayFadeIn) {
+  const std::vector<image::Image> pictures = fading_in(drawing(34, 40));
+  EXPECT_GT(track(pictures, drawn_options()).psnr, track(pictures, {}).psnr + 3);
+}
+
+TEST(DrawnFrames, FilmMayFadeIn) {
+  image::Image film = test::random_8bit_picture(96, 72, 3, 4);
+  for (int y = 0; y < film.height; ++y)
+    for (int x = 0; x < film.width; ++x)
+      for (int c = 0; c < 3; ++c)
+        film.at(x, y, c) =
+            0.1F * film.at(x, y, c) + 90 + 80 * std::sin(0.1F * float(x + c)) * std::cos(0.13F * float(y));
+  const std::vector<image::Image> pictures = fading_in(film);
+  EXPECT_GT(track(pictures, drawn_options()).psnr, track(pictures, {}).psnr - 0.3);
+}
+
 TEST(ColdFrame, ADrawingIsDrawnIfThatIsBetterAndThereIsRoom) {
   const image::Image picture = drawing(34, 40);
   const auto cold = [&](std::size_t most) {
