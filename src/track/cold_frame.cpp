@@ -12,6 +12,7 @@
 #include "knotreel/features/flat_share.h"
 #include "knotreel/raster/render.h"
 #include "track/quality.h"
+#include "vectorize/feature_budget.h"
 
 namespace knotreel::track {
 namespace {
@@ -21,16 +22,12 @@ constexpr double kGainOfDrawing = 0.5;
 // Share of the control points that it may use up: features change from frame to frame, and need room for
 // that.
 constexpr double kMostOfBound = 0.95;
+constexpr double kMostAtFirst = 0.75;  // by the first knots, which may have 0.8
 
 using Clock = std::chrono::steady_clock;
 
 double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
-}
-
-bool has_room(const ColdFrame& cold, std::size_t most_functions) {
-  return static_cast<double>(cold.frame.space->function_count()) <=
-         kMostOfBound * static_cast<double>(most_functions);
 }
 
 /// PSNR as drawn, for as many control points: half of them is worth about 3 dB.
@@ -74,6 +71,30 @@ std::shared_ptr<ColdFrame> cold_frame_with(const vectorize::Options& options, bo
   return cold;
 }
 
+namespace {
+
+/// Nothing if it uses up too many control points, of which the first knots tell mostly.
+std::shared_ptr<ColdFrame> drawing_with_room(const vectorize::Options& options, const image::Image& picture,
+                                             double colour_step) {
+  struct NoRoom {};
+  const auto most = static_cast<double>(vectorize::most_control_points(options, picture));
+  const auto look = [&](const vectorize::Progress& progress) {
+    if (progress.stage != "knots") return;
+    const double functions =
+        vectorize::expected_functions(mesh::EditableMesh(*progress.knot_mesh), options.degree);
+    if (functions > kMostAtFirst * most) throw NoRoom();
+  };
+  try {
+    std::shared_ptr<ColdFrame> cold = cold_frame_with(options, true, picture, colour_step, look);
+    const auto used = static_cast<double>(cold->frame.space->function_count());
+    return used <= kMostOfBound * most ? cold : nullptr;
+  } catch (const NoRoom&) {
+    return nullptr;
+  }
+}
+
+}  // namespace
+
 std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const vectorize::Options& options,
                                            const vectorize::Options* drawn, double colour_step,
                                            const vectorize::Observer& observer) {
@@ -83,9 +104,8 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
   std::shared_ptr<ColdFrame> drawing;
   const Clock::time_point start = Clock::now();
   parallel_invoke([&] { film = cold_frame_with(options, false, picture, colour_step, {}); },
-                  [&] { drawing = cold_frame_with(*drawn, true, picture, colour_step, {}); });
-  const bool is_drawn = has_room(*drawing, vectorize::most_control_points(*drawn, picture)) &&
-                        worth(*drawing, picture) >= worth(*film, picture) + kGainOfDrawing;
+                  [&] { drawing = drawing_with_room(*drawn, picture, colour_step); });
+  const bool is_drawn = drawing && worth(*drawing, picture) >= worth(*film, picture) + kGainOfDrawing;
   // What is watched is what is kept, at the price of doing it twice.
   if (observer) return cold_frame_with(is_drawn ? *drawn : options, is_drawn, picture, colour_step, observer);
   std::shared_ptr<ColdFrame> better = std::move(is_drawn ? drawing : film);
