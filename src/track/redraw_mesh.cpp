@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "knotreel/mesh/triangulate.h"
+#include "knots/disc_walk.h"
 
 namespace knotreel::track {
 namespace {
@@ -18,6 +19,7 @@ using mesh::KnotKind;
 using mesh::KnotMesh;
 
 constexpr double kSamePlace = 2.5;  // pixels between a vertex and where the one before should be
+constexpr double kFlat = 1e-3;      // height of a face, pixels
 constexpr double kCell = 8;         // of the grids that near things are found by, pixels
 
 /// Things by the cells of a grid that they reach.
@@ -57,11 +59,13 @@ class Grid {
   std::vector<std::vector<std::uint32_t>> cells_;
 };
 
-double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
-  const Vec2 along = b - a;
-  const double square = dot(along, along);
-  const double t = square > 0 ? std::clamp(dot(p - a, along) / square, 0.0, 1.0) : 0;
-  return norm(p - (a + t * along));
+bool has_flat_face(const KnotMesh& mesh) {
+  return std::any_of(mesh.faces.begin(), mesh.faces.end(), [&](const mesh::Face& face) {
+    const Vec2 a = mesh.knots[face[0]].position;
+    const Vec2 b = mesh.knots[face[1]].position;
+    const Vec2 c = mesh.knots[face[2]].position;
+    return 2 * signed_area(a, b, c) < kFlat * std::max({norm(b - a), norm(c - b), norm(a - c)});
+  });
 }
 
 using Ends = std::pair<std::uint32_t, std::uint32_t>;  ///< ids
@@ -180,7 +184,7 @@ class Redrawing {
     if (!room) return false;
     pieces_.near(p, least, [&](std::uint32_t s) {
       const auto [a, b] = segment(s);
-      room = room && distance_to_segment(p, a, b) >= least;
+      room = room && knots::distance_to_segment(p, a, b) >= least;
     });
     knots_.near(p, least,
                 [&](KnotIndex other) { room = room && norm(mesh_.knots[other].position - p) >= least; });
@@ -214,9 +218,12 @@ class Redrawing {
 
 }  // namespace
 
-KnotMesh redraw_mesh(const KnotMesh& features, const KnotMesh& before, std::span<const Vec2> targets,
-                     const CarryOptions& options, std::uint32_t& next_id, CarryReport& report) {
-  return Redrawing(features, before, targets, next_id).mesh(options, report);
+std::optional<KnotMesh> redraw_mesh(const KnotMesh& features, const KnotMesh& before,
+                                    std::span<const Vec2> targets, const CarryOptions& options,
+                                    std::uint32_t& next_id, CarryReport& report) {
+  KnotMesh mesh = Redrawing(features, before, targets, next_id).mesh(options, report);
+  if (has_flat_face(mesh)) return std::nullopt;
+  return mesh;
 }
 
 }  // namespace knotreel::track

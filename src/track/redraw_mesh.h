@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <span>
 
 #include "knotreel/mesh/knot_mesh.h"
@@ -14,9 +15,11 @@ namespace knotreel::track {
 /// @param before   sound. @param targets by knot of it, as knot_targets() gives them.
 /// @param next_id  least id of knots to come; goes on.
 /// @param options  free knots keep min_distance from features and from each other, or are taken away.
-/// @return a sound mesh. @throws Error{kInvalidArgument} if the features make none.
-mesh::KnotMesh redraw_mesh(const mesh::KnotMesh& features, const mesh::KnotMesh& before,
-                           std::span<const Vec2> targets, const CarryOptions& options, std::uint32_t& next_id,
-                           CarryReport& report);
+/// @return a sound mesh; nothing if it has a face that is as good as flat, which grids of documents would
+/// turn over.
+/// @throws Error{kInvalidArgument} if the features make no sound mesh.
+std::optional<mesh::KnotMesh> redraw_mesh(const mesh::KnotMesh& features, const mesh::KnotMesh& before,
+                                          std::span<const Vec2> targets, const CarryOptions& options,
+                                          std::uint32_t& next_id, CarryReport& report);
 
 }  // namespace knotreel::track

@@ -131,11 +131,10 @@ class Tracker::Impl {
       cold.reset();
       if (motion->repeated) {
         repeat();
-      } else if (!try_warm(picture, *motion)) {
-        cold = cold_frame(picture);
+      } else {
+        make_warm(picture, *motion);
       }
-      if (!cold && misses_thresholds() && watch_.is_time_to_look(report.psnr))
-        cold = better_cold_frame(picture);
+      if (misses_thresholds() && watch_.is_time_to_look(report.psnr)) cold = better_cold_frame(picture);
       if (cold) {
         report.start = Start::kDrift;
         report.survival = 0;  // what was done before was in vain
@@ -221,18 +220,6 @@ class Tracker::Impl {
     report_->mec = last_mec_;
   }
 
-  /// @return false if the features of a drawing make a mesh that documents cannot hold (never seen).
-  bool try_warm(const image::Image& picture, const Motion& motion) {
-    try {
-      make_warm(picture, motion);
-      return true;
-    } catch (const Error& e) {
-      if (!frame_.drawn || e.kind() != ErrorKind::kInvalidArgument) throw;
-      target_.reset();
-      return false;
-    }
-  }
-
   void make_warm(const image::Image& picture, const Motion& motion) {
     rework_last();
     rest_.add(motion.unchanged);
@@ -295,13 +282,16 @@ class Tracker::Impl {
     }
     drawn_ =
         std::make_unique<DrawnFeatures>(picture, *options_.drawn, most_functions_, vertices, *frame_.drawn);
-    if (!drawn_->is_sound()) {
-      drawn_.reset();
-      return carried_mesh(motion);
-    }
     next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
-    return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry, next_id_,
-                       report_->changes.carry);
+    if (drawn_->is_sound()) {
+      std::optional<KnotMesh> redrawn =
+          redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry, next_id_,
+                      report_->changes.carry);
+      if (redrawn) return *std::move(redrawn);
+    }
+    drawn_.reset();  // as film
+    report_->changes.carry = {};
+    return carried_mesh(motion);
   }
 
   /// Where the knots of the mesh prepared for this frame have gone.

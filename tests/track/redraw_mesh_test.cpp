@@ -55,7 +55,9 @@ struct Redrawn {
 Redrawn redraw(const KnotMesh& features, const KnotMesh& before, const std::vector<Vec2>& targets,
                double least = 1.5) {
   Redrawn r;
-  r.mesh = redraw_mesh(features, before, targets, {.min_distance = least}, r.next_id, r.report);
+  const auto mesh = redraw_mesh(features, before, targets, {.min_distance = least}, r.next_id, r.report);
+  EXPECT_TRUE(mesh);
+  r.mesh = mesh.value_or(before);
   EXPECT_EQ(mesh::find_defect(r.mesh), std::nullopt);
   return r;
 }
@@ -164,6 +166,19 @@ TEST(RedrawMesh, FreeKnotsInTheWayGo) {
   const Redrawn r = redraw(features_of(before), before, targets);
   EXPECT_EQ(r.report.removed, 2U);
   EXPECT_EQ(r.mesh.knots.size(), before.knots.size() - 2);
+}
+
+TEST(RedrawMesh, FlatFacesAreRefused) {
+  const KnotMesh before = before_mesh();
+  for (const double gap : {1e-2, 1e-4}) {
+    MeshBuilder b(64, 48);  // two features that all but touch
+    b.segment(b.vertex(10, 24), b.vertex(50, 24), 1);
+    b.segment(b.vertex(10, 24 + gap), b.vertex(50, 24 + gap), 1);
+    std::uint32_t next_id = kNextId;
+    CarryReport report;
+    const auto mesh = redraw_mesh(b.triangulated(), before, positions(before), {}, next_id, report);
+    EXPECT_EQ(mesh.has_value(), gap > 1e-3) << gap;
+  }
 }
 
 }  // namespace
