@@ -60,6 +60,31 @@ void for_shares(const Matrix& lower, const RowMatrix& p, const std::vector<int>&
   }
 }
 
+/// Sums up the shares [begin, end) of a column that have the same row, in the order that they have, and puts
+/// them in the order of rows. @param places by row, any values. @return the new end.
+std::size_t sum_up(std::vector<Share>& shares, std::size_t begin, std::size_t end,
+                   std::vector<std::size_t>& places) {
+  std::size_t to = begin;
+  bool in_order = true;
+  for (std::size_t from = begin; from < end; ++from) {
+    const Share share = shares[from];
+    std::size_t& place = places[static_cast<std::size_t>(share.row)];
+    if (place >= begin && place < to && shares[place].row == share.row) {
+      shares[place].value += share.value;
+      continue;
+    }
+    place = to;
+    in_order = in_order && (to == begin || shares[to - 1].row < share.row);
+    shares[to++] = share;
+  }
+  if (!in_order) {
+    std::sort(shares.begin() + static_cast<std::ptrdiff_t>(begin),
+              shares.begin() + static_cast<std::ptrdiff_t>(to),
+              [](const Share& a, const Share& b) { return a.row < b.row; });
+  }
+  return to;
+}
+
 /// The lower half of P^T A P. Most rows of P are those of the identity, which products of sparse matrices
 /// do not make use of.
 Matrix reduce(const Matrix& lower, const RowMatrix& p) {
@@ -75,23 +100,10 @@ Matrix reduce(const Matrix& lower, const RowMatrix& p) {
   });
   constexpr std::size_t kColumns = 256;
   parallel_for((n + kColumns - 1) / kColumns, [&](std::size_t block) {
-    for (std::size_t c = block * kColumns; c < std::min(n, (block + 1) * kColumns); ++c) {
-      const auto first = entries.begin() + static_cast<std::ptrdiff_t>(begin[c]);
-      const auto last = entries.begin() + static_cast<std::ptrdiff_t>(end[c]);
-      const auto above = [](const Share& a, const Share& b) { return a.row < b.row; };
-      const auto not_below = [](const Share& a, const Share& b) { return a.row >= b.row; };
-      if (std::adjacent_find(first, last, not_below) == last) continue;  // in order, and each row once
-      std::stable_sort(first, last, above);
-      auto to = first;
-      for (auto from = first; from != last; ++from) {
-        if (to != first && (to - 1)->row == from->row) {
-          (to - 1)->value += from->value;
-        } else {
-          *to++ = *from;
-        }
-      }
-      end[c] = static_cast<std::size_t>(to - entries.begin());
-    }
+    thread_local std::vector<std::size_t> places;  // by row, of whatever column was last to have it
+    places.resize(std::max(places.size(), n));
+    for (std::size_t c = block * kColumns; c < std::min(n, (block + 1) * kColumns); ++c)
+      end[c] = sum_up(entries, begin[c], end[c], places);
   });
   Matrix reduced(p.cols(), p.cols());
   std::size_t count = 0;
