@@ -53,8 +53,22 @@ class Polygon {
   std::size_t count_;
 };
 
-/// From one ray to the other, less than half a turn.
+enum class Side { kLeft, kRight, kBoth };
+
+/// Where the unit square with that top left corner is, seen along the ray from p.
+Side side_of(Vec2 p, Vec2 ray, double left, double top) {
+  int to_the_left = 0;
+  for (const Vec2 corner : {Vec2{left, top}, {left + 1, top}, {left + 1, top + 1}, {left, top + 1}})
+    to_the_left += cross(ray, corner - p) >= 0 ? 1 : 0;
+  return to_the_left == 4 ? Side::kLeft : to_the_left == 0 ? Side::kRight : Side::kBoth;
+}
+
+/// From one ray to the other, less than half a turn. Most squares are on one side of both.
 double share_between(Vec2 tip, Vec2 from, Vec2 to, double left, double top) {
+  const Side of_from = side_of(tip, from, left, top);
+  const Side of_to = side_of(tip, -1.0 * to, left, top);
+  if (of_from == Side::kRight || of_to == Side::kRight) return 0;
+  if (of_from == Side::kLeft && of_to == Side::kLeft) return 1;
   Polygon square(left, top);
   square.cut(tip, from);
   square.cut(tip, -1.0 * to);
