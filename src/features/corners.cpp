@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <numbers>
 #include <optional>
 #include <utility>
@@ -67,25 +68,55 @@ void sort_around(std::vector<Arm>& arms) {
   });
 }
 
-/// Where the lines of the arms meet, and the picture says so, too.
+double distance_found(const Corner& corner) {
+  return norm(corner.position - corner.found);
+}
+
+/// Where the lines of the arms meet, if they lead there.
+bool guess_position(Corner& corner) {
+  const std::optional<Vec2> meeting = meeting_point(corner.arms);
+  if (!meeting) return false;
+  corner.position = *meeting;
+  if (distance_found(corner) > kFarthest) return false;
+  // Lines lead to the corner, and do not run past it.
+  return std::all_of(corner.arms.begin(), corner.arms.end(), [&](const Arm& arm) {
+    return dot(arm.walk.at(arm.side.gap) - *meeting, arm.side.away) >= 0.2;
+  });
+}
+
+/// From a guess: near to where the lines of the arms meet, if the picture says so, too.
 bool find_position(const image::Image& image, double most_error, Corner& corner) {
-  const std::optional<Vec2> start = meeting_point(corner.arms);
-  if (!start || norm(*start - corner.found) > kFarthest) return false;
+  const Vec2 start = corner.position;
   sort_around(corner.arms);
-  Fan fan{*start, {}};
+  Fan fan{start, {}};
   std::vector<Vec2> through;
   for (const Arm& arm : corner.arms) {
-    // Lines lead to the corner, and do not run past it.
-    if (dot(arm.walk.at(arm.side.gap) - *start, arm.side.away) < 0.2) return false;
     fan.rays.push_back(arm.side.away);
     through.push_back(arm.side.point);
   }
   const std::optional<FanFit> fit = fit_fan(image, fan, through);
-  if (!fit || fit->error > most_error || norm(fit->fan.tip - *start) > kMostChange) return false;
+  if (!fit || fit->error > most_error || norm(fit->fan.tip - start) > kMostChange) return false;
   corner.position = fit->fan.tip;
   for (std::size_t i = 0; i < corner.arms.size(); ++i) corner.arms[i].side.away = fit->fan.rays[i];
-  corner.error = fit->error + 0.01 * norm(corner.position - corner.found);
+  corner.error = fit->error + 0.01 * distance_found(corner);
   return true;
+}
+
+/// All points around a corner lead to it. Of those, one behind the other, whose lines meet at about the same
+/// place, keeps the ones that are nearest to it.
+void keep_nearest(std::vector<Corner>& guesses) {
+  constexpr double kSamePlace = 0.7;  // px
+  constexpr std::ptrdiff_t kMost = 2;
+  std::vector<Corner> kept;
+  for (auto first = guesses.begin(); first != guesses.end();) {
+    auto last = first + 1;
+    while (last != guesses.end() && norm(last->position - (last - 1)->position) < kSamePlace) ++last;
+    std::stable_sort(first, last,
+                     [](const Corner& a, const Corner& b) { return distance_found(a) < distance_found(b); });
+    std::move(first, first + std::min(kMost, last - first), std::back_inserter(kept));
+    first = last;
+  }
+  guesses = std::move(kept);
 }
 
 /// Along a row or column of pixels, where even steps say where an edge is.
@@ -128,7 +159,7 @@ class Sharpener {
 
   std::vector<Corner> at_nodes() const;
   std::vector<Corner> inside(std::size_t chain) const;
-  std::optional<Corner> corner_inside(std::size_t chain, std::size_t point) const;
+  std::optional<Corner> guess_inside(std::size_t chain, std::size_t point) const;
 
   std::size_t place(std::vector<Corner> corners);
   bool is_free(const Corner& corner) const;
@@ -163,7 +194,8 @@ std::vector<Corner> Sharpener::at_nodes() const {
       corner.found = chain.points[from].position;
       if (std::optional<Arm> a = arm(end.chain, from, end.forward)) corner.arms.push_back(*a);
     }
-    if (corner.arms.size() == node.size() && find_position(image_, options_.most_error, corner))
+    if (corner.arms.size() == node.size() && guess_position(corner) &&
+        find_position(image_, options_.most_error, corner))
       corners.push_back(std::move(corner));
   }
   return corners;
@@ -171,17 +203,19 @@ std::vector<Corner> Sharpener::at_nodes() const {
 
 std::vector<Corner> Sharpener::inside(std::size_t c) const {
   const Chain& chain = chains_.chains[c];
-  std::vector<Corner> corners;
+  std::vector<Corner> guesses;
   // From point to point directions are rough.
   const double bend = std::cos(0.7 * radians(options_.least_turn));
   for (std::size_t i = 0; i < chain.points.size(); ++i) {
     if (straightness(chain, i) > bend) continue;
-    if (std::optional<Corner> corner = corner_inside(c, i)) corners.push_back(std::move(*corner));
+    if (std::optional<Corner> guess = guess_inside(c, i)) guesses.push_back(std::move(*guess));
   }
-  return corners;
+  keep_nearest(guesses);
+  std::erase_if(guesses, [&](Corner& guess) { return !find_position(image_, options_.most_error, guess); });
+  return guesses;
 }
 
-std::optional<Corner> Sharpener::corner_inside(std::size_t c, std::size_t point) const {
+std::optional<Corner> Sharpener::guess_inside(std::size_t c, std::size_t point) const {
   const std::optional<Arm> back = arm(c, point, false);
   const std::optional<Arm> on = arm(c, point, true);
   if (!back || !on) return std::nullopt;
@@ -190,7 +224,7 @@ std::optional<Corner> Sharpener::corner_inside(std::size_t c, std::size_t point)
   const double arc = std::min(turn_of_arc(back->side, on->side), kNoArc);
   if (turn < std::max(radians(options_.least_turn), arc)) return std::nullopt;
   Corner corner{on->walk.at(0), {*back, *on}, {}, 0};
-  if (!find_position(image_, options_.most_error, corner)) return std::nullopt;
+  if (!guess_position(corner)) return std::nullopt;
   return corner;
 }
 
