@@ -12,7 +12,7 @@ Summary run_graph(const Job& job) {
   flow::limiter_node<MessagePtr> limiter(graph, frames_in_flight(job.frames_in_flight));
   Node analyse(graph, flow::unlimited, isolated([&](Message& m) { stages.analyse(m); }));
   InOrder plan(graph, [&](Message& m) { stages.plan(m); });
-  Node cold(graph, flow::unlimited, isolated([&](Message& m) { stages.cold(m); }));
+  Node ahead(graph, flow::unlimited, isolated([&](Message& m) { stages.ahead(m); }));
   InOrderWithinStretches model(graph, [&](Message& m) { stages.model(m); });
   InOrder documents(graph, [&](Message& m) { stages.documents(m); });
   Node rasterize(graph, flow::unlimited, isolated([&](Message& m) { stages.rasterize(m); }));
@@ -20,8 +20,8 @@ Summary run_graph(const Job& job) {
   flow::make_edge(decode, limiter);
   flow::make_edge(limiter, analyse);
   flow::make_edge(analyse, plan.in());
-  flow::make_edge(plan.out(), cold);
-  flow::make_edge(cold, model.in());
+  flow::make_edge(plan.out(), ahead);
+  flow::make_edge(ahead, model.in());
   flow::make_edge(model.out(), documents.in());
   flow::make_edge(documents.out(), rasterize);
   flow::make_edge(rasterize, encode.in());

@@ -7,6 +7,7 @@
 #include "knotreel/image/image.h"
 #include "knotreel/pipeline/job.h"
 #include "knotreel/spline/pixel_surface.h"
+#include "knotreel/track/tracker.h"
 
 namespace knotreel::pipeline {
 
@@ -21,9 +22,9 @@ struct Message {
   std::unique_ptr<track::Motion> motion;
   bool same_picture = false;  ///< as the frame before has, bit for bit
   bool repeats = false;       ///< picture and stored model are those of the frame before: so is what is drawn
-  std::shared_ptr<Stretch> stretch;                     ///< that it belongs to; until it has a model
-  bool starts_group = false;                            ///< for certain or nearly so; drift is not foreseen
-  std::shared_ptr<track::ColdFrame> cold;               ///< made ahead, if it starts a group
+  std::shared_ptr<Stretch> stretch;  ///< that it belongs to; until it has a model
+  bool starts_group = false;         ///< for certain or nearly so; drift is not foreseen
+  track::MadeAhead ahead;
   document::FrameModel model;                           ///< from the stage "documents" on: as stored
   std::shared_ptr<const spline::PixelSurface> surface;  ///< of the model, if it is known
   document::FrameModel next;  ///< the frame after, if `model` is to be taken on the way to it ...

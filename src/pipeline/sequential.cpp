@@ -8,7 +8,7 @@ Summary run_sequential(const Job& job) {
   while (const MessagePtr message = stages.decode()) {
     stages.analyse(*message);
     stages.plan(*message);
-    stages.cold(*message);
+    stages.ahead(*message);
     stages.model(*message);
     stages.documents(*message);
     stages.rasterize(*message);

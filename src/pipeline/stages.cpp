@@ -70,13 +70,21 @@ void Stages::plan(Message& message) {
   message.stretch = stretch_;
 }
 
+void Stages::ahead(Message& message) {
+  if (message.starts_group) {
+    cold(message);
+  } else if (message.stretch->tracker.is_drawing() && !message.same_picture) {
+    timed(failure_, "curves", message,
+          [&] { message.ahead.curves = track::find_drawn_curves(*message.picture, *job_.tracking.drawn); });
+  }
+}
+
 void Stages::cold(Message& message) {
-  if (!message.starts_group) return;
   timed(failure_, "cold", message, [&] {
     const Urgent urgent(is_awaited(message));
     const auto observer = job_.watch.cold ? job_.watch.cold(message.index) : vectorize::Observer();
-    message.cold = track::make_cold_frame(*message.picture, job_.cold, job_.tracking.drawn.get(),
-                                          job_.tracking.colour_step, observer);
+    message.ahead.cold = track::make_cold_frame(*message.picture, job_.cold, job_.tracking.drawn.get(),
+                                                job_.tracking.colour_step, observer);
   });
 }
 
@@ -85,7 +93,7 @@ void Stages::model(Message& message) {
     const Urgent urgent;  // models follow each other
     track::FrameReport report;
     track::Tracker& tracker = message.stretch->tracker;
-    message.model = tracker.next(*message.picture, message.motion.get(), &report, std::move(message.cold));
+    message.model = tracker.next(*message.picture, message.motion.get(), &report, std::move(message.ahead));
     message.surface = tracker.surface();
     message.motion.reset();
     message.stretch.reset();

@@ -13,7 +13,7 @@
 
 namespace knotreel::pipeline {
 
-/// The stages of a Job. analyse(), cold() and rasterize() may work on several messages at once, model() on
+/// The stages of a Job. analyse(), ahead() and rasterize() may work on several messages at once, model() on
 /// one of each stretch at a time and in order, each of the others on one at a time and in order. No stage but
 /// finish() throws: see FirstFailure.
 class Stages {
@@ -26,8 +26,8 @@ class Stages {
   void analyse(Message& message);
   /// Foresees which frames start a group, and tells those apart that depend on each other.
   void plan(Message& message);
-  /// Makes those from their pictures.
-  void cold(Message& message);
+  /// Makes those from their pictures, and of others what hangs on their picture alone.
+  void ahead(Message& message);
   void model(Message& message);
   void documents(Message& message);
   void rasterize(Message& message);
@@ -37,6 +37,7 @@ class Stages {
   Summary finish();
 
  private:
+  void cold(Message& message);
   void write_single(const Message& message);
   void draw(Message& message) const;
 

@@ -1,6 +1,7 @@
 #include "track/drawn_features.h"
 
 #include "knotreel/document/stored_mesh.h"
+#include "knotreel/features/flat_share.h"
 #include "knotreel/fit/geometry_fit.h"
 #include "track/bend_geometry.h"
 #include "vectorize/run_log.h"
@@ -17,9 +18,15 @@ constexpr Sheet kYielding{.stiffness = 0, .elasticity = 0.03, .inertia = 0.001};
 
 }  // namespace
 
+std::shared_ptr<const DrawnCurves> find_drawn_curves(const image::Image& picture,
+                                                     const vectorize::Options& drawn) {
+  if (!features::is_drawing(picture)) return nullptr;
+  return std::make_shared<const DrawnCurves>(DrawnCurves{vectorize::find_curves(picture, drawn)});
+}
+
 DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Options& options,
-                             std::size_t most_functions, std::span<const Vec2> vertices,
-                             const FeatureLimits& before) {
+                             const DrawnCurves& curves, std::size_t most_functions,
+                             std::span<const Vec2> vertices, const FeatureLimits& before) {
   const auto slack = [](bool dropped) { return dropped ? 1 - kSlack : 1 + kSlack; };
   vectorize::Options limited = options;
   limited.feature_share = slack(before.strong_dropped) * before.share;
@@ -27,7 +34,7 @@ DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Optio
   const vectorize::Observer nobody;
   vectorize::RunLog log(picture, nobody);
   log.begin_round("features");
-  is_sound_ = vectorize::map_curves(picture, limited, most_functions, vertices, log, mapped_);
+  is_sound_ = vectorize::map_curves(picture, limited, most_functions, curves.found, vertices, log, mapped_);
   limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share};
 }
 

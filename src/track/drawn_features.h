@@ -8,21 +8,27 @@
 #include "knotreel/image/image.h"
 #include "knotreel/mesh/knot_mesh.h"
 #include "knotreel/spline/basis.h"
+#include "knotreel/track/drawn_curves.h"
 #include "knotreel/vectorize/options.h"
 #include "track/fitted_frame.h"
 #include "vectorize/mapped_picture.h"
 
 namespace knotreel::track {
 
+struct DrawnCurves {
+  vectorize::Curves found;
+};
+
 /// The features of a drawn frame, found in its picture as in a picture on its own, for a mesh whose other
 /// knots come from the frame before (docs/decisions/0040).
 class DrawnFeatures {
  public:
-  /// @param most_functions control points of the whole model. @param vertices about where those of the frame
-  /// before would be: these stay vertices where they may as well. @param before of the frame before: what it
-  /// left out is left out for longer, and what it has stays for longer.
-  DrawnFeatures(const image::Image& picture, const vectorize::Options& options, std::size_t most_functions,
-                std::span<const Vec2> vertices, const FeatureLimits& before);
+  /// @param curves find_drawn_curves() of the picture, with these options. @param most_functions control
+  /// points of the whole model. @param vertices about where those of the frame before would be: these stay
+  /// vertices where they may as well. @param before of the frame before: what it left out is left out for
+  /// longer, and what it has stays for longer.
+  DrawnFeatures(const image::Image& picture, const vectorize::Options& options, const DrawnCurves& curves,
+                std::size_t most_functions, std::span<const Vec2> vertices, const FeatureLimits& before);
 
   /// Whether they make a mesh; if not, they are of no use.
   bool is_sound() const { return is_sound_; }

@@ -1,6 +1,7 @@
 #include "knotreel/track/tracker.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <memory>
 #include <optional>
@@ -121,8 +122,9 @@ class Tracker::Impl {
       : cold_(cold), options_(options), groups_(options, first), watch_(options), rework_(cold, options) {}
 
   document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport& report,
-                            std::shared_ptr<ColdFrame> cold) {
+                            MadeAhead ahead) {
     report_ = &report;
+    std::shared_ptr<ColdFrame> cold = std::move(ahead.cold);
     report = {};
     laps_.emplace(report.milliseconds);
     report.start = groups_.next(motion);
@@ -132,7 +134,7 @@ class Tracker::Impl {
       if (motion->repeated) {
         repeat();
       } else {
-        make_warm(picture, *motion);
+        make_warm(picture, *motion, std::move(ahead.curves));
       }
       if (misses_thresholds() && watch_.is_time_to_look(report.psnr)) cold = better_cold_frame(picture);
       if (cold) {
@@ -156,10 +158,12 @@ class Tracker::Impl {
     }
     report.knots = frame_.space->mesh().knots.size();
     report.control_points = frame_.space->function_count();
+    is_drawing_ = frame_.drawn.has_value();
     return model(picture, report.start != Start::kWarm);
   }
 
   std::shared_ptr<const spline::PixelSurface> surface() const { return frame_.surface; }
+  bool is_drawing() const { return is_drawing_; }
 
  private:
   // -- cold frames
@@ -220,21 +224,24 @@ class Tracker::Impl {
     report_->mec = last_mec_;
   }
 
-  void make_warm(const image::Image& picture, const Motion& motion) {
+  /// @param curves of the picture, if they were found ahead.
+  void make_warm(const image::Image& picture, const Motion& motion,
+                 std::shared_ptr<const DrawnCurves> curves) {
     rework_last();
     rest_.add(motion.unchanged);
-    const bool is_drawn = frame_.drawn && features::is_drawing(picture);
+    const bool is_drawn = frame_.drawn && (curves || features::is_drawing(picture));
     drawn_.reset();
     KnotMesh carried;
     std::optional<LinkMemory> links;
     std::optional<FaceErrors> errors_before;
-    parallel_invoke([&] { carried = is_drawn ? redrawn_mesh(picture, motion) : carried_mesh(motion); },
-                    [&] {
-                      if (!is_drawn) errors_before.emplace(mesh_, *target_);
-                      target_->change_to(picture);
-                      difficulty_.reset();
-                      links.emplace(*frame_.space);
-                    });
+    parallel_invoke(
+        [&] { carried = is_drawn ? redrawn_mesh(picture, motion, std::move(curves)) : carried_mesh(motion); },
+        [&] {
+          if (!is_drawn) errors_before.emplace(mesh_, *target_);
+          target_->change_to(picture);
+          difficulty_.reset();
+          links.emplace(*frame_.space);
+        });
     laps_->lap("carry");
     if (errors_before) carried = refilled(carried, *errors_before);
     laps_->lap("foresee");
@@ -273,15 +280,17 @@ class Tracker::Impl {
   }
 
   /// The features of a drawing are found anew; the other knots go where the motion takes them.
-  KnotMesh redrawn_mesh(const image::Image& picture, const Motion& motion) {
+  KnotMesh redrawn_mesh(const image::Image& picture, const Motion& motion,
+                        std::shared_ptr<const DrawnCurves> curves) {
+    if (!curves) curves = find_drawn_curves(picture, *options_.drawn);
     const std::vector<Vec2> points = image_positions(*frame_.basis, frame_.displacement, next_mesh_);
     const std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
     std::vector<Vec2> vertices;
     for (std::size_t k = 0; k < points.size(); ++k) {
       if (next_mesh_.knots[k].kind == mesh::KnotKind::kVertex) vertices.push_back(points[k] + moves[k]);
     }
-    drawn_ =
-        std::make_unique<DrawnFeatures>(picture, *options_.drawn, most_functions_, vertices, *frame_.drawn);
+    drawn_ = std::make_unique<DrawnFeatures>(picture, *options_.drawn, *curves, most_functions_, vertices,
+                                             *frame_.drawn);
     next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
     if (drawn_->is_sound()) {
       std::optional<KnotMesh> redrawn =
@@ -483,6 +492,7 @@ class Tracker::Impl {
   std::vector<std::uint32_t> match_;  ///< of the functions of the frame with those of the one before
   FittedFrame frame_before_;
   Rework rework_;
+  std::atomic<bool> is_drawing_ = false;   ///< as told to others
   std::unique_ptr<DrawnFeatures> drawn_;   ///< of a drawn frame that is made from the one before
   std::unique_ptr<knots::Target> target_;  ///< of the last picture
   std::optional<double> difficulty_;       ///< of that
@@ -511,10 +521,14 @@ std::shared_ptr<const spline::PixelSurface> Tracker::surface() const {
   return impl_->surface();
 }
 
+bool Tracker::is_drawing() const {
+  return impl_->is_drawing();
+}
+
 document::FrameModel Tracker::next(const image::Image& picture, const Motion* motion, FrameReport* report,
-                                   std::shared_ptr<ColdFrame> cold) {
+                                   MadeAhead ahead) {
   FrameReport own;
-  return impl_->next(picture, motion, report ? *report : own, std::move(cold));
+  return impl_->next(picture, motion, report ? *report : own, std::move(ahead));
 }
 
 }  // namespace knotreel::track

@@ -58,7 +58,7 @@ bool has_short_segments(const mesh::KnotMesh& mesh) {
 class Mapping {
  public:
   Mapping(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
-          MappedPicture& mapped, std::span<const Vec2> vertices = {})
+          MappedPicture& mapped)
       : picture_(picture),
         options_(options),
         drawing_(options.features && features::is_drawing(picture)),
@@ -66,8 +66,7 @@ class Mapping {
         shares_{options.feature_share, weak_share(options, drawing_)},
         max_functions_(max_functions),
         log_(log),
-        mapped_(mapped),
-        vertices_(vertices) {}
+        mapped_(mapped) {}
 
   void find() {
     if (!options_.features) return;
@@ -80,17 +79,26 @@ class Mapping {
     log_.show("features");
   }
 
+  void fair_and_spread() {
+    fair();
+    features::space_points(mapped_.faired);
+  }
+
   /// Where the pixels are is left open. @return whether the polylines make a sound mesh.
-  bool map_curves() {
-    if (!mapped_.detected.chains.empty()) limit_features(expected_functions(mapped_.detected));
+  bool map_curves(const Curves& curves, std::span<const Vec2> vertices) {
+    mapped_.detected = curves.detected;
+    if (!mapped_.detected.chains.empty() && limit_features(expected_functions(mapped_.detected))) {
+      fair_and_spread();
+    } else {
+      mapped_.faired = curves.faired;
+    }
     for (;;) {
-      fair();
-      features::space_points(mapped_.faired);
-      features::prefer_points(mapped_.faired, vertices_);
+      features::prefer_points(mapped_.faired, vertices);
       do {
         if (!find_polylines()) return false;
       } while (mapped_.has_features() && be_coarser(functions_of_knots()));
       if (!mapped_.has_features() || !limit_features(functions_of_knots())) return true;
+      fair_and_spread();
     }
   }
 
@@ -231,7 +239,6 @@ class Mapping {
   std::size_t max_functions_;
   RunLog& log_;
   MappedPicture& mapped_;
-  std::span<const Vec2> vertices_;
 };
 
 }  // namespace
@@ -243,11 +250,20 @@ void map_features(const image::Image& picture, const Options& options, std::size
   mapping.map();
 }
 
-bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
-                std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped) {
-  Mapping mapping(picture, options, max_functions, log, mapped, vertices);
+Curves find_curves(const image::Image& picture, const Options& options) {
+  const Observer nobody;
+  RunLog log(picture, nobody);
+  log.begin_round("features");
+  MappedPicture mapped;
+  Mapping mapping(picture, options, 0, log, mapped);
   mapping.find();
-  return mapping.map_curves();
+  mapping.fair_and_spread();
+  return {std::move(mapped.detected), std::move(mapped.faired)};
+}
+
+bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
+                const Curves& curves, std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped) {
+  return Mapping(picture, options, max_functions, log, mapped).map_curves(curves, vertices);
 }
 
 knots::Target make_target(const image::Image& picture, const MappedPicture& mapped) {

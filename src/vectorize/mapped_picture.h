@@ -33,12 +33,21 @@ struct MappedPicture {
 void map_features(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
                   MappedPicture& mapped);
 
-/// The same without the pixels, which is a part of the work: neither the corrected picture nor the image mesh
-/// is made, and the map has no pixels.
+/// All features of a picture, whether there is room for them or not.
+struct Curves {
+  features::FeatureChains detected;
+  features::FeatureChains faired;  ///< and spread (features::space_points)
+};
+
+Curves find_curves(const image::Image& picture, const Options& options);
+
+/// The same as map_features() without the pixels, which is a part of the work: neither the corrected picture
+/// nor the image mesh is made, and the map has no pixels.
+/// @param curves   find_curves() of the picture, with the same options but for shares.
 /// @param vertices where polylines had vertices in the picture before, which may as well stay.
 /// @return whether the knots are those of a sound mesh; if not, what is mapped is of no use.
 bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
-                std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped);
+                const Curves& curves, std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped);
 
 /// The picture over the domain, where knots are placed.
 knots::Target make_target(const image::Image& picture, const MappedPicture& mapped);

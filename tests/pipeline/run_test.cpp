@@ -11,6 +11,7 @@
 #include "pipeline/document_sink.h"
 #include "pipeline/schedule.h"
 #include "support/clips.h"
+#include "support/drawn_scene.h"
 #include "support/temp_dir.h"
 
 namespace knotreel::pipeline {
@@ -104,6 +105,43 @@ TEST_F(PipelineRun, FramesThatStartAGroupAndNoOthersAreMadeAhead) {
   EXPECT_EQ(ahead, (std::vector{true, false, false, true, false, false, true, false}));
 }
 
+std::string write_lossless(const std::string& path, const std::vector<image::Image>& pictures) {
+  video::StreamInfo info;
+  info.width = pictures.front().width;
+  info.height = pictures.front().height;
+  info.time_base = {1, 25};
+  info.frame_rate = {25, 1};
+  video::WriteOptions lossless;
+  lossless.codec = "ffv1";
+  video::VideoWriter writer = video::VideoWriter::create(path, info, lossless);
+  for (std::size_t i = 0; i < pictures.size(); ++i)
+    writer.write(pictures[i], static_cast<std::int64_t>(i), 1);
+  writer.finish();
+  return path;
+}
+
+TEST_F(PipelineRun, CurvesOfDrawnFramesAreFoundAhead) {
+  clip_ = write_lossless(path("drawn.mkv"), test::drawn_clip(kFrames));
+  std::size_t ahead = 0;
+  const auto with = [&](Summary (*run)(const Job&)) {
+    return [&ahead, run](Job job) {
+      vectorize::Options options = vectorize::group_preset_options(vectorize::Preset::kBalanced);
+      options.max_control_points = 1000;
+      job.cold = vectorize::video_options(options);
+      job.tracking.drawn =
+          std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(options));
+      ahead = 0;
+      job.on_frame = [&ahead](const FrameRow& row) {
+        for (const auto& [stage, ms] : row.milliseconds) ahead += stage == "curves" ? 1 : 0;
+      };
+      return run(job);
+    };
+  };
+  const std::string reference = document_of(with(run_sequential), "reference.tcb");
+  EXPECT_EQ(ahead, kFrames - 1U) << "the first is a cold frame";
+  EXPECT_TRUE(document_of(with(run_graph), "graph.tcb") == reference);
+}
+
 TEST_F(PipelineRun, OneFrameInFlightIsEnough) {
   const std::string reference = document_of(run_sequential, "reference.tcb");
   const auto narrow = [](Job job) {
@@ -142,17 +180,11 @@ TEST_F(PipelineRun, FramesKeepTheirNumberTimesAndOrder) {
 }
 
 TEST_F(PipelineRun, RepeatedFramesCostNextToNothing) {
-  const std::string clip = path("repeats.mkv");
-  video::StreamInfo info;
-  info.width = 64;
-  info.height = 48;
-  info.time_base = {1, 25};
-  info.frame_rate = {25, 1};
+  std::vector<image::Image> moving;
+  for (int i = 0; i < 12; ++i) moving.push_back(test::moving_picture(64, 48, 3, i / 4));
+  const std::string clip = write_lossless(path("repeats.mkv"), moving);
   video::WriteOptions lossless;
   lossless.codec = "ffv1";
-  video::VideoWriter writer = video::VideoWriter::create(clip, info, lossless);
-  for (int i = 0; i < 12; ++i) writer.write(test::moving_picture(64, 48, 3, i / 4), i, 1);
-  writer.finish();
   video::VideoReader reader = video::VideoReader::open(clip);
   Job job = job_of(reader);
   std::vector<FrameRow> rows;

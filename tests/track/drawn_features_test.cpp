@@ -5,20 +5,26 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <span>
 
 #include "knotreel/fit/geometry_fit.h"
 #include "knotreel/spline/space.h"
-#include "track/drawn_scene.h"
+#include "support/drawn_scene.h"
 
 namespace knotreel::track {
 namespace {
 
-using testing::drawing;
+using test::drawing;
 
 constexpr FeatureLimits kAll{.share = 0.6};
 
 vectorize::Options options() {
   return vectorize::drawn_video_options({});
+}
+
+DrawnFeatures features_of(const image::Image& picture, std::size_t most_functions,
+                          std::span<const Vec2> vertices, const FeatureLimits& before) {
+  return {picture, options(), *find_drawn_curves(picture, options()), most_functions, vertices, before};
 }
 
 std::vector<Vec2> vertices_of(const mesh::KnotMesh& mesh) {
@@ -30,7 +36,7 @@ std::vector<Vec2> vertices_of(const mesh::KnotMesh& mesh) {
 
 TEST(DrawnFeatures, CurvesComeToLieOnTheEdges) {
   const image::Image picture = drawing(40, 40);
-  const DrawnFeatures features(picture, options(), 1000, {}, kAll);
+  const DrawnFeatures features = features_of(picture, 1000, {}, kAll);
   const spline::Basis basis(std::make_shared<const spline::SplineSpace>(features.knots(), 2));
   std::vector<Vec2> displacement(basis.space().geometry_count());
   features.displace(basis, {}, 0.95, 1.0 / 16, displacement);
@@ -56,7 +62,7 @@ TEST(DrawnFeatures, CurvesComeToLieOnTheEdges) {
 
 TEST(DrawnFeatures, WhatIsHeldKeepsItsDisplacement) {
   const image::Image picture = drawing(40, 40);
-  const DrawnFeatures features(picture, options(), 1000, {}, kAll);
+  const DrawnFeatures features = features_of(picture, 1000, {}, kAll);
   const spline::Basis basis(std::make_shared<const spline::SplineSpace>(features.knots(), 2));
   std::vector<Vec2> found(basis.space().geometry_count(), Vec2{0.25, 0});
   features.displace(basis, {}, 0.95, 1.0 / 16, found);
@@ -74,7 +80,7 @@ TEST(DrawnFeatures, WhatIsHeldKeepsItsDisplacement) {
 TEST(DrawnFeatures, VerticesStayWhereTheyMayAsWell) {
   const image::Image before = drawing(40, 40);
   const image::Image now = drawing(41.3, 40.4);
-  const DrawnFeatures first(before, options(), 1000, {}, kAll);
+  const DrawnFeatures first = features_of(before, 1000, {}, kAll);
   std::vector<Vec2> moved = vertices_of(first.knots());
   for (Vec2& v : moved) {
     if (std::abs(norm(v - Vec2{40, 40}) - 20) < 1.5) v = v + Vec2{1.3, 0.4};
@@ -85,8 +91,8 @@ TEST(DrawnFeatures, VerticesStayWhereTheyMayAsWell) {
       return std::any_of(found.begin(), found.end(), [&](Vec2 w) { return norm(v - w) < 1; });
     });
   };
-  const DrawnFeatures led(now, options(), 1000, moved, kAll);
-  const DrawnFeatures alone(now, options(), 1000, {}, kAll);
+  const DrawnFeatures led = features_of(now, 1000, moved, kAll);
+  const DrawnFeatures alone = features_of(now, 1000, {}, kAll);
   EXPECT_GT(kept(led), kept(alone));
   EXPECT_GE(kept(led), std::ptrdiff_t(moved.size()) - 2);
   EXPECT_LE(vertices_of(led.knots()).size(), vertices_of(alone.knots()).size() + 4);
@@ -95,15 +101,15 @@ TEST(DrawnFeatures, VerticesStayWhereTheyMayAsWell) {
 /// A bound at which features just about have to go: what is there stays, and what is not stays away.
 TEST(DrawnFeatures, LimitsGiveWayToWhatWasBefore) {
   const image::Image picture = drawing(40, 40);
-  const DrawnFeatures all(picture, options(), 10000, {}, kAll);
+  const DrawnFeatures all = features_of(picture, 10000, {}, kAll);
   ASSERT_FALSE(all.limits().strong_dropped);
   const std::size_t most = all.knots().knots.size();
   std::size_t stays = 0;
   std::size_t returns = 0;
   for (std::size_t bound = most; bound < 12 * most; bound += most / 8) {
-    const DrawnFeatures had(picture, options(), bound, {}, {.share = 0.6});
-    const DrawnFeatures lacked(picture, options(), bound, {},
-                               {.share = 0.6, .weak_dropped = true, .strong_dropped = true});
+    const DrawnFeatures had = features_of(picture, bound, {}, {.share = 0.6});
+    const DrawnFeatures lacked =
+        features_of(picture, bound, {}, {.share = 0.6, .weak_dropped = true, .strong_dropped = true});
     if (stays == 0 && !had.limits().strong_dropped) stays = bound;
     if (returns == 0 && !lacked.limits().strong_dropped) returns = bound;
   }
@@ -114,7 +120,7 @@ TEST(DrawnFeatures, LimitsGiveWayToWhatWasBefore) {
 
 TEST(DrawnFeatures, APictureWithoutFeaturesHasTheDomainAlone) {
   image::Image flat = image::make_image(40, 30, 3);
-  const DrawnFeatures features(flat, options(), 1000, std::vector<Vec2>{{3, 4}}, kAll);
+  const DrawnFeatures features = features_of(flat, 1000, std::vector<Vec2>{{3, 4}}, kAll);
   EXPECT_EQ(features.knots().knots.size(), 4U);
   EXPECT_TRUE(features.knots().segments.empty());
   const spline::Basis basis(std::make_shared<const spline::SplineSpace>(features.knots(), 2));

@@ -11,15 +11,15 @@
 #include "knotreel/document/writer.h"
 #include "knotreel/raster/render.h"
 #include "knotreel/track/tracker.h"
+#include "support/drawn_scene.h"
 #include "support/pictures.h"
 #include "track/cold_frame.h"
-#include "track/drawn_scene.h"
 
 namespace knotreel::track {
 namespace {
 
-using testing::drawing;
-using testing::drawn_clip;
+using test::drawing;
+using test::drawn_clip;
 
 vectorize::Options picture_options(std::size_t most = 1000) {
   vectorize::Options options = vectorize::group_preset_options(vectorize::Preset::kBalanced);
@@ -201,6 +201,25 @@ TEST(DrawnFrames, FilmMayFadeIn) {
             0.1F * film.at(x, y, c) + 90 + 80 * std::sin(0.1F * float(x + c)) * std::cos(0.13F * float(y));
   const std::vector<image::Image> pictures = fading_in(film);
   EXPECT_GT(track(pictures, drawn_options()).psnr, track(pictures, {}).psnr - 0.3);
+}
+
+TEST(DrawnFrames, CurvesFoundAheadChangeNothing) {
+  const std::vector<image::Image> pictures = drawn_clip(4);
+  const Tracked run = track(pictures, drawn_options());
+  const TrackOptions options = drawn_options();
+  Tracker tracker(vectorize::video_options(picture_options()), options);
+  EXPECT_FALSE(tracker.is_drawing());
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    std::optional<Motion> motion;
+    if (i > 0) motion = motion_between(pictures[i - 1], pictures[i]);
+    MadeAhead ahead{.curves = find_drawn_curves(pictures[i], *options.drawn)};
+    const document::FrameModel model =
+        tracker.next(pictures[i], motion ? &*motion : nullptr, nullptr, std::move(ahead));
+    EXPECT_TRUE(tracker.is_drawing());
+    EXPECT_EQ(model.colour, run.models[i].colour) << i;
+    EXPECT_EQ(model.displacement, run.models[i].displacement) << i;
+  }
+  EXPECT_EQ(find_drawn_curves(test::random_picture(64, 48, 3, 1), *options.drawn), nullptr);
 }
 
 TEST(ColdFrame, ADrawingIsDrawnIfThatIsBetterAndThereIsRoom) {

@@ -438,7 +438,8 @@ TEST(Tracker, AColdFrameMadeAheadChangesNothing) {
     std::unique_ptr<Motion> motion;
     if (i > 0) motion = std::make_unique<Motion>(motion_between(pictures[i - 1], pictures[i]));
     FrameReport report;
-    const document::FrameModel model = tracker.next(pictures[i], motion.get(), &report, std::move(ahead));
+    const document::FrameModel model =
+        tracker.next(pictures[i], motion.get(), &report, {std::move(ahead), nullptr});
     EXPECT_EQ(report.start, run.reports[i].start);
     EXPECT_EQ(model.colour, run.models[i].colour) << i;
     EXPECT_EQ(model.displacement, run.models[i].displacement) << i;

@@ -16,6 +16,7 @@
 #include "knotreel/track/birth_options.h"
 #include "knotreel/track/carry_mesh.h"
 #include "knotreel/track/cold_frame.h"
+#include "knotreel/track/drawn_curves.h"
 #include "knotreel/track/motion.h"
 #include "knotreel/vectorize/options.h"
 
@@ -111,6 +112,16 @@ struct FrameReport {
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };
 
+/// What of a frame may be made before it is its turn. The result is the same with and without; only the time
+/// is not.
+struct MadeAhead {
+  /// Of make_cold_frame() for its picture and the same options: taken if the frame starts a group, left alone
+  /// otherwise.
+  std::shared_ptr<ColdFrame> cold = nullptr;
+  /// Of find_drawn_curves() for its picture and TrackOptions::drawn: taken if the frame is drawn.
+  std::shared_ptr<const DrawnCurves> curves = nullptr;
+};
+
 /// Makes the vector model of each picture of a video from that of the picture before (docs/algorithm.md,
 /// "video"): knots and features follow the motion, where nothing moves nothing changes, and only the colours
 /// are fitted again. A picture that is repeated has the model that it had, if that is good. Frames come in
@@ -128,11 +139,13 @@ class Tracker {
   /// @param motion  from the picture before; null for the first frame and after a gap: a cold start.
   /// @return the model, keyframe if it does not depend on the one before; frame and pts are left to the
   /// caller.
-  /// @param cold    of make_cold_frame() for this picture and the same options: taken if the frame starts a
-  /// group, left alone otherwise. The result is the same with and without; only the time is not.
   /// @throws Error{kInvalidArgument} as vectorize_picture(), and if sizes differ.
   document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport* report = nullptr,
-                            std::shared_ptr<ColdFrame> cold = nullptr);
+                            MadeAhead ahead = {});
+
+  /// Whether the last frame was drawn, so that the next one will most likely want find_drawn_curves(). May be
+  /// asked by any thread at any time.
+  bool is_drawing() const;
 
   /// The last model at its pixels, for whoever draws it; only those that features cross look different.
   std::shared_ptr<const spline::PixelSurface> surface() const;

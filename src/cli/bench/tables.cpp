@@ -11,7 +11,8 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr const char* kStages[] = {"decode", "analyse", "cold", "model", "documents", "rasterize", "encode"};
+constexpr const char* kStages[] = {"decode", "analyse",   "cold",      "curves",
+                                   "model",  "documents", "rasterize", "encode"};
 
 struct Figure {
   const char* label;

@@ -6,7 +6,7 @@
 
 #include "knotreel/image/image.h"
 
-namespace knotreel::track::testing {
+namespace knotreel::test {
 
 /// A drawing: a disk before a box, flat colours, antialiased by 4 x 4 samples per pixel.
 inline image::Image drawing(double x, double y, double box_x = 52) {
@@ -36,4 +36,4 @@ inline std::vector<image::Image> drawn_clip(int frames) {
   return pictures;
 }
 
-}  // namespace knotreel::track::testing
+}  // namespace knotreel::test
