@@ -1,6 +1,7 @@
 #include "track/cold_frame.h"
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cmath>
 #include <functional>
@@ -23,6 +24,8 @@ constexpr double kGainOfDrawing = 0.5;
 // that.
 constexpr double kMostOfBound = 0.95;
 constexpr double kMostAtFirst = 0.75;  // by the first knots, which may have 0.8
+// Softness of edges (document::FrameModel) up to which a drawing that has room is better for certain.
+constexpr double kCrisp = 0.02;
 
 using Clock = std::chrono::steady_clock;
 
@@ -73,25 +76,66 @@ std::shared_ptr<ColdFrame> cold_frame_with(const vectorize::Options& options, bo
 
 namespace {
 
-/// Nothing if it uses up too many control points, of which the first knots tell mostly.
-std::shared_ptr<ColdFrame> drawing_with_room(const vectorize::Options& options, const image::Image& picture,
-                                             double colour_step) {
-  struct NoRoom {};
-  const auto most = static_cast<double>(vectorize::most_control_points(options, picture));
-  const auto look = [&](const vectorize::Progress& progress) {
-    if (progress.stage != "knots") return;
-    const double functions =
-        vectorize::expected_functions(mesh::EditableMesh(*progress.knot_mesh), options.degree);
-    if (functions > kMostAtFirst * most) throw NoRoom();
-  };
-  try {
-    std::shared_ptr<ColdFrame> cold = cold_frame_with(options, true, picture, colour_step, look);
-    const auto used = static_cast<double>(cold->frame.space->function_count());
-    return used <= kMostOfBound * most ? cold : nullptr;
-  } catch (const NoRoom&) {
-    return nullptr;
-  }
+bool has_crisp_edges(const FittedFrame& frame) {
+  return !frame.space->mesh().segments.empty() && frame.edge_softness <= kCrisp;
 }
+
+/// Thrown by observers of frames that are not wanted any more.
+struct CalledOff {};
+
+/// Of a drawing, which is made in both ways at once.
+class TwoWays {
+ public:
+  TwoWays(const image::Image& picture, const vectorize::Options& film, const vectorize::Options& drawn,
+          double colour_step)
+      : picture_(picture), film_options_(film), drawn_options_(drawn), colour_step_(colour_step) {
+    parallel_invoke([&] { make_drawing(); }, [&] { make_film(); });
+    if (drawing_ && has_crisp_edges(drawing_->frame)) return;
+    if (!film_) film_ = cold_frame_with(film_options_, false, picture_, colour_step_, {});
+    if (drawing_ && worth(*drawing_, picture_) < worth(*film_, picture_) + kGainOfDrawing) drawing_.reset();
+  }
+
+  bool is_drawn() const { return drawing_ != nullptr; }
+  std::shared_ptr<ColdFrame> better() { return drawing_ ? drawing_ : film_; }
+
+ private:
+  /// Nothing if it uses up too many control points, of which the first knots tell mostly.
+  void make_drawing() {
+    const auto most = static_cast<double>(vectorize::most_control_points(drawn_options_, picture_));
+    const auto look = [&](const vectorize::Progress& progress) {
+      if (progress.stage != "knots") return;
+      const double functions =
+          vectorize::expected_functions(mesh::EditableMesh(*progress.knot_mesh), drawn_options_.degree);
+      if (functions > kMostAtFirst * most) throw CalledOff();
+      has_room_ = true;
+    };
+    try {
+      drawing_ = cold_frame_with(drawn_options_, true, picture_, colour_step_, look);
+      if (static_cast<double>(drawing_->frame.space->function_count()) > kMostOfBound * most)
+        drawing_.reset();
+    } catch (const CalledOff&) {
+    }
+  }
+
+  /// Left off as soon as the drawing has room, since most that have are better: then it is in the way.
+  void make_film() {
+    const auto look = [&](const vectorize::Progress&) {
+      if (has_room_) throw CalledOff();
+    };
+    try {
+      film_ = cold_frame_with(film_options_, false, picture_, colour_step_, look);
+    } catch (const CalledOff&) {
+    }
+  }
+
+  const image::Image& picture_;
+  const vectorize::Options& film_options_;
+  const vectorize::Options& drawn_options_;
+  double colour_step_;
+  std::atomic<bool> has_room_ = false;  ///< the drawing, by its first knots
+  std::shared_ptr<ColdFrame> drawing_;
+  std::shared_ptr<ColdFrame> film_;
+};
 
 }  // namespace
 
@@ -100,15 +144,14 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ve
                                            const vectorize::Observer& observer) {
   if (!drawn || !features::is_drawing(picture))
     return cold_frame_with(options, false, picture, colour_step, observer);
-  std::shared_ptr<ColdFrame> film;
-  std::shared_ptr<ColdFrame> drawing;
   const Clock::time_point start = Clock::now();
-  parallel_invoke([&] { film = cold_frame_with(options, false, picture, colour_step, {}); },
-                  [&] { drawing = drawing_with_room(*drawn, picture, colour_step); });
-  const bool is_drawn = drawing && worth(*drawing, picture) >= worth(*film, picture) + kGainOfDrawing;
+  TwoWays ways(picture, options, *drawn, colour_step);
   // What is watched is what is kept, at the price of doing it twice.
-  if (observer) return cold_frame_with(is_drawn ? *drawn : options, is_drawn, picture, colour_step, observer);
-  std::shared_ptr<ColdFrame> better = std::move(is_drawn ? drawing : film);
+  if (observer) {
+    return cold_frame_with(ways.is_drawn() ? *drawn : options, ways.is_drawn(), picture, colour_step,
+                           observer);
+  }
+  std::shared_ptr<ColdFrame> better = ways.better();
   better->milliseconds = {{"cold", milliseconds_since(start)}};
   return better;
 }

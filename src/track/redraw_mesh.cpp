@@ -19,6 +19,7 @@ using mesh::KnotKind;
 using mesh::KnotMesh;
 
 constexpr double kSamePlace = 2.5;  // pixels between a vertex and where the one before should be
+constexpr double kLeastLeft = 0.5;  // of a segment, if it keeps the knots inside
 constexpr double kFlat = 1e-3;      // height of a face, pixels
 constexpr double kCell = 8;         // of the grids that near things are found by, pixels
 
@@ -85,7 +86,7 @@ class Redrawing {
 
   KnotMesh mesh(const CarryOptions& options, CarryReport& report) {
     name_vertices();
-    name_segments();
+    fill_segments();
     take_places();
     add_free_knots(options.min_distance, report);
     mesh::triangulate(mesh_);
@@ -140,22 +141,52 @@ class Redrawing {
             static_cast<std::uint32_t>(mesh.knots[s.knots.back()].id)};
   }
 
-  /// Knots inside segments between the same vertices as before, and as many, have their names.
-  void name_segments() {
+  /// Segments between the same vertices as before have the knots that they had inside, which have settled.
+  void fill_segments() {
     std::map<Ends, std::vector<KnotIndex>> known;
     for (const mesh::FeatureSegment& s : before_.segments) known.emplace(ends_of(before_, s), s.knots);
-    for (const mesh::FeatureSegment& s : mesh_.segments) {
+    for (mesh::FeatureSegment& s : mesh_.segments) {
       const Ends ends = ends_of(mesh_, s);
       auto found = known.find(ends);
       if (found == known.end()) {
         found = known.find({ends.second, ends.first});
         if (found != known.end()) std::reverse(found->second.begin(), found->second.end());
       }
-      const bool is_same = found != known.end() && found->second.size() == s.knots.size();
-      for (std::size_t i = 1; i + 1 < s.knots.size(); ++i)
-        mesh_.knots[s.knots[i]].id = is_same ? before_.knots[found->second[i]].id : new_id();
+      if (found != known.end() && may_carry(found->second, s)) {
+        carry_inside(found->second, s);
+      } else {
+        for (std::size_t i = 1; i + 1 < s.knots.size(); ++i) mesh_.knots[s.knots[i]].id = new_id();
+      }
     }
   }
+
+  /// @param old knots of the segment before: as many as there should be, or more, but not in a heap.
+  bool may_carry(const std::vector<KnotIndex>& old, const mesh::FeatureSegment& s) const {
+    const double length = norm(mesh_.knots[s.knots.back()].position - mesh_.knots[s.knots.front()].position);
+    return old.size() >= s.knots.size() && length > kLeastLeft * norm(was(old.back()) - was(old.front()));
+  }
+
+  void carry_inside(const std::vector<KnotIndex>& old, mesh::FeatureSegment& s) {
+    const Vec2 a = mesh_.knots[s.knots.front()].position;
+    const Vec2 b = mesh_.knots[s.knots.back()].position;
+    const Vec2 old_a = was(old.front());
+    const Vec2 old_b = was(old.back());
+    const bool rests = a == old_a && b == old_b;
+    const KnotIndex last = s.knots.back();
+    s.knots.pop_back();
+    for (std::size_t i = 1; i + 1 < old.size(); ++i) {
+      if (i == s.knots.size()) {
+        s.knots.push_back(static_cast<KnotIndex>(mesh_.knots.size()));
+        mesh_.knots.push_back({});
+      }
+      const double share = norm(was(old[i]) - old_a) / norm(old_b - old_a);
+      mesh_.knots[s.knots[i]] = {rests ? was(old[i]) : a + share * (b - a), KnotKind::kSegment,
+                                 before_.knots[old[i]].id};
+    }
+    s.knots.push_back(last);
+  }
+
+  Vec2 was(KnotIndex k) const { return before_.knots[k].position; }
 
   /// What new knots have to keep away from.
   void take_places() {

@@ -10,7 +10,8 @@
 namespace knotreel::track {
 
 /// A mesh with the features of a new picture, and between them the free knots of the frame before, where the
-/// motion takes them. Knots of features that are where ones of the frame before would be keep their ids.
+/// motion takes them. Knots of features that are where ones of the frame before would be keep their ids, and
+/// segments between the same vertices the knots that they had inside.
 /// @param features their knots and those of the domain; ids do not matter.
 /// @param before   sound. @param targets by knot of it, as knot_targets() gives them.
 /// @param next_id  least id of knots to come; goes on.

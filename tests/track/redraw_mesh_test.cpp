@@ -138,12 +138,48 @@ TEST(RedrawMesh, KnotsOfFeaturesThatAreElsewhereAreNew) {
   }
 }
 
-TEST(RedrawMesh, ASegmentWithMoreKnotsHasNewOnesBetweenItsVertices) {
+TEST(RedrawMesh, ASegmentThatNeedsMoreKnotsHasNewOnesBetweenItsVertices) {
   const KnotMesh before = before_mesh();
   MeshBuilder b(64, 48);
-  b.segment(b.vertex(50, 24), b.vertex(10, 24), 2);
+  b.segment(b.vertex(50, 24), b.vertex(10, 24), 4);
   const Redrawn r = redraw(b.triangulated(), before, positions(before));
-  EXPECT_EQ(r.next_id, kNextId + 2);
+  EXPECT_EQ(r.next_id, kNextId + 4);
+}
+
+/// Knots inside segments settle, and come where the error is.
+TEST(RedrawMesh, ASegmentKeepsTheKnotsThatItHadInside) {
+  KnotMesh before = before_mesh();
+  const std::vector<mesh::KnotIndex> inside(before.segments[0].knots.begin() + 1,
+                                            before.segments[0].knots.end() - 1);
+  ASSERT_EQ(inside.size(), 3U);
+  before.knots[inside[1]].position.x += 3.3;
+  for (const int wanted : {1, 2, 3}) {
+    for (const Vec2 shift : {Vec2{0, 0}, Vec2{1.2, 0.7}}) {
+      MeshBuilder b(64, 48);
+      b.segment(b.vertex(50 + shift.x, 24 + shift.y), b.vertex(10 + shift.x, 24 + shift.y), wanted);
+      const Redrawn r = redraw(b.triangulated(), before, positions(before));
+      const auto now = by_id(r.mesh);
+      for (const mesh::KnotIndex k : inside) {
+        const auto found = now.find(static_cast<std::uint32_t>(before.knots[k].id));
+        ASSERT_NE(found, now.end()) << wanted;
+        const Vec2 moved = found->second.position - before.knots[k].position;
+        if (shift == Vec2{}) {
+          EXPECT_EQ(moved, Vec2{}) << "bit for bit";
+        } else {
+          EXPECT_LT(norm(moved - shift), 1e-9);
+        }
+      }
+      EXPECT_EQ(r.next_id, kNextId);
+    }
+  }
+  // But not in a heap.
+  MeshBuilder b(64, 48);
+  b.segment(b.vertex(10, 24), b.vertex(12.4, 24), 1);
+  std::vector<Vec2> targets = positions(before);
+  for (std::size_t k = 0; k < targets.size(); ++k)
+    if (before.knots[k].position == Vec2{50, 24}) targets[k] = {12.4, 24};
+  const Redrawn r = redraw(b.triangulated(), before, targets);
+  EXPECT_EQ(r.mesh.segments[0].knots.size(), 3U);
 }
 
 TEST(RedrawMesh, ASegmentDrawnTheOtherWayRoundKeepsItsNames) {
