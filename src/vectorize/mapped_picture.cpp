@@ -57,11 +57,11 @@ bool has_short_segments(const mesh::KnotMesh& mesh) {
 
 class Mapping {
  public:
-  Mapping(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
-          MappedPicture& mapped)
+  Mapping(const image::Image& picture, bool drawing, const Options& options, std::size_t max_functions,
+          RunLog& log, MappedPicture& mapped)
       : picture_(picture),
         options_(options),
-        drawing_(options.features && features::is_drawing(picture)),
+        drawing_(drawing),
         parametrize_(parametrize_options(options, drawing_)),
         shares_{options.feature_share, weak_share(options, drawing_)},
         max_functions_(max_functions),
@@ -245,7 +245,8 @@ class Mapping {
 
 void map_features(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
                   MappedPicture& mapped) {
-  Mapping mapping(picture, options, max_functions, log, mapped);
+  const bool drawing = options.features && features::is_drawing(picture);
+  Mapping mapping(picture, drawing, options, max_functions, log, mapped);
   mapping.find();
   mapping.map();
 }
@@ -255,7 +256,7 @@ Curves find_curves(const image::Image& picture, const Options& options) {
   RunLog log(picture, nobody);
   log.begin_round("features");
   MappedPicture mapped;
-  Mapping mapping(picture, options, 0, log, mapped);
+  Mapping mapping(picture, true, options, 0, log, mapped);
   mapping.find();
   mapping.fair_and_spread();
   return {std::move(mapped.detected), std::move(mapped.faired)};
@@ -263,7 +264,7 @@ Curves find_curves(const image::Image& picture, const Options& options) {
 
 bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
                 const Curves& curves, std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped) {
-  return Mapping(picture, options, max_functions, log, mapped).map_curves(curves, vertices);
+  return Mapping(picture, true, options, max_functions, log, mapped).map_curves(curves, vertices);
 }
 
 knots::Target make_target(const image::Image& picture, const MappedPicture& mapped) {

@@ -33,12 +33,13 @@ struct MappedPicture {
 void map_features(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
                   MappedPicture& mapped);
 
-/// All features of a picture, whether there is room for them or not.
+/// All features of a drawing, whether there is room for them or not.
 struct Curves {
   features::FeatureChains detected;
   features::FeatureChains faired;  ///< and spread (features::space_points)
 };
 
+/// @param picture a drawing (features::is_drawing()), as also for map_curves().
 Curves find_curves(const image::Image& picture, const Options& options);
 
 /// The same as map_features() without the pixels, which is a part of the work: neither the corrected picture
