@@ -220,6 +220,7 @@ ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
   const Sought sought(space.function_count(), fixed, options.start);
   const bool single = options.precision == Precision::kSingle;
   if (!sought.functions.empty()) {
+    NormalEquations mixed;
     parallel_invoke(
         [&] {
           normal = single ? assemble<float>(values, image, pixels.weights, sought)
@@ -228,8 +229,12 @@ ColourFit fit_colours(const spline::PixelValues& values, const Pixels& pixels,
         [&] {
           if (fixed.empty()) p = prolongation(space, options.smooth_corners);
           if (!sought.all()) p = of_sought(p, sought);
+          if (pixels.mixed) mixed = mixed_equations(values.basis(), *pixels.mixed, sought, image.channels);
         });
-    if (pixels.mixed) add_mixed_pixels(values.basis(), *pixels.mixed, sought, normal);
+    if (pixels.mixed) {
+      normal.matrix += mixed.matrix;
+      normal.right += mixed.right;
+    }
     solve(space, image, normal, p, sought, options, fit.control);
   }
   if (options.find_residual) {

@@ -4,18 +4,11 @@
 
 namespace knotreel::fit {
 
-namespace {
-
-using Matrix = Eigen::SparseMatrix<double>;
-
-}  // namespace
-
-void add_mixed_pixels(const spline::Basis& basis, const MixedPixels& mixed, const Sought& sought,
-                      NormalEquations& normal) {
-  if (mixed.pixels.empty()) return;
+NormalEquations mixed_equations(const spline::Basis& basis, const MixedPixels& mixed, const Sought& sought,
+                                int channels) {
+  using Matrix = Eigen::SparseMatrix<double>;
   const spline::ScatteredValues values = basis.evaluate(mixed.places);
   const auto count = static_cast<Eigen::Index>(mixed.pixels.size());
-  const Eigen::Index channels = normal.right.cols();
   Eigen::MatrixXd colours(count, channels);
   std::vector<Eigen::Triplet<double>> entries;  // function, pixel, value
   entries.reserve(values.values.size());
@@ -36,13 +29,12 @@ void add_mixed_pixels(const spline::Basis& basis, const MixedPixels& mixed, cons
       }
     }
   }
-  Matrix rows(normal.matrix.rows(), count);
+  Matrix rows(static_cast<Eigen::Index>(sought.functions.size()), count);
   rows.setFromTriplets(entries.begin(), entries.end());
   const Eigen::Map<const Eigen::VectorXd> weights(mixed.weights.data(), count);
   const Matrix weighted = rows * weights.asDiagonal();
   const Matrix products = weighted * rows.transpose();
-  normal.matrix += Matrix(products.triangularView<Eigen::Lower>());
-  normal.right += weighted * colours;
+  return {products.triangularView<Eigen::Lower>(), weighted * colours};
 }
 
 }  // namespace knotreel::fit

@@ -6,8 +6,8 @@
 
 namespace knotreel::fit {
 
-/// Adds the rows of mixed pixels to a least-squares problem. @param sought as it was assembled with.
-void add_mixed_pixels(const spline::Basis& basis, const MixedPixels& mixed, const Sought& sought,
-                      NormalEquations& normal);
+/// Those of mixed pixels alone, to be added to those of others with the same functions sought.
+NormalEquations mixed_equations(const spline::Basis& basis, const MixedPixels& mixed, const Sought& sought,
+                                int channels);
 
 }  // namespace knotreel::fit

@@ -4,6 +4,7 @@
 #include <limits>
 #include <vector>
 
+#include "knotreel/base/parallel.h"
 #include "track/kept.h"
 #include "track/local_error.h"
 #include "track/matching.h"
@@ -68,7 +69,18 @@ std::vector<double> reluctance_to_change(const FittedFrame& before, const Fitted
 
 void fit_warm_frame(const FittedFrame& before, const WarmFit& how, FittedFrame& frame, Laps& laps) {
   Kept kept(before, frame, how.match);
-  frame.seen = place_pixels(frame.basis, frame.displacement, how.picture, frame.edge_softness, kept.places());
+  fit::MixedPixels mixed;
+  const bool has_mixed = how.mixed_weight > 0 && !frame.space->mesh().segments.empty();
+  parallel_invoke(
+      [&] {
+        frame.seen =
+            place_pixels(frame.basis, frame.displacement, how.picture, frame.edge_softness, kept.places());
+      },
+      [&] {
+        if (!has_mixed) return;
+        mixed = vectorize::mixed_pixels(model_of(frame, how.picture.channels), frame.basis, how.picture,
+                                        how.mixed_weight);
+      });
   laps.lap("places");
   kept.see();
   frame.ages = kept.ages();
@@ -78,13 +90,7 @@ void fit_warm_frame(const FittedFrame& before, const WarmFit& how, FittedFrame& 
                       how.options.temporal_weight, tiles_to_fit(frame.values(), settled));
   fit::Pixels pixels = frame.seen.view();
   pixels.image = &wanted;
-  fit::MixedPixels mixed;
-  if (how.mixed_weight > 0 && !frame.space->mesh().segments.empty()) {
-    mixed = vectorize::mixed_pixels(model_of(frame, how.picture.channels), frame.basis, how.picture,
-                                    how.mixed_weight);
-    laps.lap("mixed");
-    pixels.mixed = &mixed;
-  }
+  if (has_mixed) pixels.mixed = &mixed;
   const std::vector<double> start = colours_before(before, how.match);
   const std::vector<double> reluctance = reluctance_to_change(before, frame, how.options);
   fit::ColourFitOptions colour = how.colour;

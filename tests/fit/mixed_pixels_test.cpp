@@ -63,7 +63,9 @@ TEST(MixedPixels, AddTheRowsOfTheirMeans) {
     normal.matrix.resize(unknowns, unknowns);
     normal.matrix.setIdentity();
     normal.right.setOnes(unknowns, 3);
-    add_mixed_pixels(basis, mixed, sought, normal);
+    const NormalEquations equations = mixed_equations(basis, mixed, sought, 3);
+    normal.matrix += equations.matrix;
+    normal.right += equations.right;
 
     Eigen::MatrixXd matrix = Eigen::MatrixXd::Identity(unknowns, unknowns);
     Eigen::MatrixXd right = Eigen::MatrixXd::Ones(unknowns, 3);
