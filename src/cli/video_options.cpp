@@ -137,6 +137,7 @@ video::WriteOptions write_options(const VideoOutputOptions& given, const std::st
 nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
   return {{"warm_start", o.warm_start},
           {"drawn_frames", o.drawn != nullptr},
+          {"drawn_max_control_points", o.drawn ? o.drawn->max_control_points : 0},
           {"temporal_weight", o.temporal_weight},
           {"keyframe_interval", o.keyframe_interval},
           {"scene_threshold", o.scene_threshold},

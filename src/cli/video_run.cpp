@@ -35,10 +35,10 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kStartBytes = 16;  // of a pipe: tell a picture, and nobody waits for more
 
-vectorize::Options picture_options(const VideoRun& run, std::uint64_t pixels) {
+/// @param most control points, if nothing is said about them.
+vectorize::Options picture_options(const VideoRun& run, std::uint64_t pixels, std::size_t most) {
   VectorizeOptions given = run.options;
-  if (!given.max_control_points)
-    given.max_control_points = std::to_string(vectorize::default_video_control_points(pixels));
+  if (!given.max_control_points) given.max_control_points = std::to_string(most);
   return effective_options(given, pixels, run.tracking.warm_start);
 }
 
@@ -80,12 +80,14 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
   job.reader = &reader;
   job.source = run.input;
   job.ssim = !run.stats.empty();
-  const vectorize::Options options =
-      picture_options(run, std::uint64_t(info.width) * std::uint64_t(info.height));
-  job.cold = vectorize::video_options(options);
+  const std::uint64_t pixels = std::uint64_t(info.width) * std::uint64_t(info.height);
+  job.cold =
+      vectorize::video_options(picture_options(run, pixels, vectorize::default_video_control_points(pixels)));
   job.tracking = run.tracking;
-  if (options.features && !run.no_drawn_frames)
-    job.tracking.drawn = std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(options));
+  if (job.cold.features && !run.no_drawn_frames) {
+    job.tracking.drawn = std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(
+        picture_options(run, pixels, vectorize::default_drawn_video_control_points(pixels))));
+  }
   job.document = run.document;
   job.split_folder = run.split_folder;
   job.video = run.video;

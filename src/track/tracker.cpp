@@ -64,6 +64,8 @@ constexpr double kSquaredOverMec = 2;    // mean squared error over the square o
 constexpr double kLeftOut = 2;           // times vectorize::Options::block_error: where that is seen at once
 constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
+// Times CarryOptions::min_distance: between outlines, knots are close to them from the first frame on.
+constexpr double kDrawnDistance = 0.5;
 
 using mesh::EditableMesh;
 using mesh::KnotIndex;
@@ -128,7 +130,7 @@ class Tracker::Impl {
     report = {};
     laps_.emplace(report.milliseconds);
     report.start = groups_.next(motion);
-    most_functions_ = vectorize::most_control_points(cold_, picture);
+    count_most_functions(picture);
     if (report.start == Start::kWarm) {
       cold.reset();
       if (motion->repeated) {
@@ -174,7 +176,13 @@ class Tracker::Impl {
     laps_->add(cold.milliseconds);
   }
 
+  /// As the first frame of the group was, so may be those behind it.
+  void count_most_functions(const image::Image& picture) {
+    most_functions_ = vectorize::most_control_points(frame_.drawn ? *options_.drawn : cold_, picture);
+  }
+
   void start_group(const image::Image& picture) {
+    count_most_functions(picture);
     measure();
     watch_.start_group(report_->psnr);
     coarseness_.start_group(report_->psnr);
@@ -293,9 +301,9 @@ class Tracker::Impl {
                                              *frame_.drawn);
     next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
     if (drawn_->is_sound()) {
-      std::optional<KnotMesh> redrawn =
-          redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options_.carry, next_id_,
-                      report_->changes.carry);
+      std::optional<KnotMesh> redrawn = redraw_mesh(
+          drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves),
+          {.min_distance = kDrawnDistance * options_.carry.min_distance}, next_id_, report_->changes.carry);
       if (redrawn) return *std::move(redrawn);
     }
     drawn_.reset();  // as film

@@ -9,6 +9,7 @@ namespace knotreel::vectorize {
 namespace {
 
 constexpr std::size_t kMostOfSmall = 3'000;
+constexpr double kShareOfSmall = 0.2;
 constexpr std::size_t kMostOfDrawings = 200'000;
 
 std::size_t share_of(std::uint64_t pixels, double share) {
@@ -24,7 +25,7 @@ double share_of_drawing(const image::Image& picture) {
 
 std::size_t default_control_points(const image::Image& picture) {
   const std::uint64_t pixels = picture.pixel_count();
-  const std::size_t of_small = std::min(kMostOfSmall, share_of(pixels, 0.2));
+  const std::size_t of_small = std::min(kMostOfSmall, share_of(pixels, kShareOfSmall));
   const std::size_t of_any = std::max(of_small, share_of(pixels, 0.0275));
   if (of_any >= kMostOfDrawings || !features::is_drawing(picture)) return of_any;
   return std::max(of_any, std::min(kMostOfDrawings, share_of(pixels, share_of_drawing(picture))));
@@ -32,6 +33,11 @@ std::size_t default_control_points(const image::Image& picture) {
 
 std::size_t default_video_control_points(std::uint64_t pixels) {
   return share_of(pixels, 0.02);
+}
+
+std::size_t default_drawn_video_control_points(std::uint64_t pixels) {
+  return std::max(default_video_control_points(pixels),
+                  std::min(kMostOfSmall, share_of(pixels, kShareOfSmall)));
 }
 
 std::size_t most_control_points(const Options& options, const image::Image& picture) {

@@ -89,6 +89,35 @@ TEST_F(CliVideo, DrawnFramesCanBeMadeAsFilm) {
                                [](const json& f) { return f["milliseconds"].contains("curves"); });
   };
   EXPECT_FALSE(any_curves(film));
+  EXPECT_EQ(drawn["tracking"]["drawn_max_control_points"], 1000);
+  EXPECT_EQ(film["tracking"]["drawn_max_control_points"], 0);
+}
+
+TEST_F(CliVideo, SmallDrawnVideosHaveMoreControlPoints) {
+  for (int i = 0; i < 3; ++i) {
+    image::Image picture = drawn_picture(i);
+    for (int y = 0; y < picture.height; ++y) {
+      for (int x = 0; x < picture.width; ++x) {
+        const bool in_bar = (x + i) % 30 < 17 && (y < 16 || y > 74) && y % 84 > 3;
+        for (int c = 0; c < 3 && in_bar; ++c) picture.at(x, y, c) = c == 1 ? 90.0F : 20.0F;
+      }
+    }
+    image::write_image(path("drawn_" + std::to_string(i) + ".png"), picture);
+  }
+  const auto stats = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"transcode", path("drawn_%d.png"), "-f", "null",
+                                       "--stats",   path("stats.json")};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_success(knotreel(arguments));
+    return json::parse(read_text(path("stats.json")));
+  };
+  const json drawn = stats({});
+  const json film = stats({"--no-drawn-frames"});
+  EXPECT_EQ(drawn["options"]["max_control_points"], 256);
+  EXPECT_EQ(drawn["tracking"]["drawn_max_control_points"], 120 * 90 / 5);
+  for (const json& f : drawn["frames"]) EXPECT_GT(f["control_points"], 256) << f;
+  for (const json& f : film["frames"]) EXPECT_LE(f["control_points"], 256) << f;
+  EXPECT_GT(test::json_psnr(drawn), test::json_psnr(film) + 6);
 }
 
 TEST_F(CliVideo, AllWildcardsMeanPictures) {

@@ -393,6 +393,14 @@ TEST(Vectorize, DenseDrawingsMayHaveEvenMore) {
   EXPECT_NEAR(double(dense), (2 * 3.0 / 8 - 0.4) * 400 * 300, 1200);
 }
 
+TEST(Vectorize, SmallDrawnVideosMayHaveMoreControlPoints) {
+  EXPECT_EQ(default_video_control_points(200 * 100), 400U);
+  EXPECT_EQ(default_drawn_video_control_points(200 * 100), 3000U);
+  EXPECT_EQ(default_drawn_video_control_points(100 * 60), 1200U);
+  EXPECT_EQ(default_drawn_video_control_points(20 * 10), 256U);
+  EXPECT_EQ(default_drawn_video_control_points(640 * 360), default_video_control_points(640 * 360));
+}
+
 TEST(Vectorize, SmallPicturesMayHaveMoreControlPoints) {
   EXPECT_EQ(default_control_points(noise_picture(400, 300)), 3300U);
   EXPECT_EQ(default_control_points(noise_picture(300, 300)), 3000U);

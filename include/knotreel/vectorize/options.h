@@ -103,6 +103,10 @@ std::size_t default_control_points(const image::Image& picture);
 /// its colours are coarser, and the frame before tells most of it.
 std::size_t default_video_control_points(std::uint64_t pixels);
 
+/// 2 % of the pixels as well of frames that are drawn (docs/decisions/0040), but of small ones 20 %, up to
+/// 3000: a drawing has as many outlines in any size.
+std::size_t default_drawn_video_control_points(std::uint64_t pixels);
+
 /// Those that a model may have at most: what the options say, or as many as by default.
 std::size_t most_control_points(const Options& options, const image::Image& picture);
 
