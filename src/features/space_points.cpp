@@ -6,7 +6,14 @@
 namespace knotreel::features {
 namespace {
 
-constexpr double kCrowded = 0.5;  // pixels from a corner or an end
+constexpr double kCrowded = 0.5;   // pixels from a corner or an end
+constexpr double kTooNear = 0.25;  // from any point to the next
+
+bool is_too_near(const Chain& chain, std::size_t i) {
+  if (!chain.closed && i + 1 == chain.points.size()) return false;
+  const Vec2 next = chain.points[(i + 1) % chain.points.size()].on_curve();
+  return norm(next - chain.points[i].on_curve()) < kTooNear;
+}
 
 /// From a point that stays, one step after the other; on until the next point that stays.
 void space_from(std::vector<ChainPoint>& points, std::size_t fixed, std::ptrdiff_t step, bool closed) {
@@ -39,6 +46,9 @@ void space_points(FeatureChains& chains) {
       if (!is_end && !chain.points[i].corner) continue;
       space_from(chain.points, i, 1, chain.closed);
       space_from(chain.points, i, -1, chain.closed);
+    }
+    for (std::size_t i = 0; i < chain.points.size(); ++i) {
+      if (is_too_near(chain, i)) space_from(chain.points, i, 1, chain.closed);
     }
   }
 }

@@ -55,12 +55,23 @@ TEST(SpacePoints, CornersCountLikeEnds) {
 
 TEST(SpacePoints, OthersStay) {
   Chain chain = row_of_pixels();
-  chain.points[3].move_to({5.51, 4.5});  // crowded, but off corners and ends
-  chain.points[4].move_to({5.52, 4.5});
+  chain.points[3].move_to({5.51, 4.5});  // near each other, but off corners and ends
+  chain.points[4].move_to({5.81, 4.5});
   FeatureChains chains = with(chain);
   space_points(chains);
   for (std::size_t i = 0; i < chain.points.size(); ++i)
     EXPECT_EQ(chains.chains[0].points[i].on_curve(), chain.points[i].on_curve()) << i;
+}
+
+TEST(SpacePoints, NoPointIsNextToAnother) {
+  Chain chain = row_of_pixels();
+  chain.points[3].move_to({5.51, 4.5});
+  chain.points[4].move_to({5.45, 4.55});  // behind it
+  FeatureChains chains = with(chain);
+  space_points(chains);
+  EXPECT_GT(least_step(chains.chains[0]), 0.4);
+  EXPECT_EQ(chains.chains[0].points[3].on_curve(), (Vec2{5.51, 4.5}));
+  EXPECT_EQ(chains.chains[0].points[5].on_curve(), chain.points[5].on_curve());
 }
 
 TEST(SpacePoints, ChainsThatAreShortOrClosedAreSound) {

@@ -7,6 +7,7 @@ namespace knotreel::features {
 /// Spreads the points next to corners and ends of chains that lie within half a pixel of these evenly over
 /// the way to the first one farther away. Where several curves meet, the place that fits them all best can be
 /// next to a point of one of them, or behind it, and a polyline would turn back for a hundredth of a pixel.
+/// Likewise those within a quarter of a pixel of any other point of their chain.
 void space_points(FeatureChains& chains);
 
 }  // namespace knotreel::features
