@@ -135,10 +135,11 @@ class Tracker::Impl {
       cold.reset();
       if (motion->repeated) {
         repeat();
-      } else {
-        make_warm(picture, *motion, std::move(ahead.curves));
+      } else if (!make_warm(picture, *motion, std::move(ahead.curves))) {
+        cold = cold_frame(picture);
       }
-      if (misses_thresholds() && watch_.is_time_to_look(report.psnr)) cold = better_cold_frame(picture);
+      if (!cold && misses_thresholds() && watch_.is_time_to_look(report.psnr))
+        cold = better_cold_frame(picture);
       if (cold) {
         report.start = Start::kDrift;
         report.survival = 0;  // what was done before was in vain
@@ -233,13 +234,14 @@ class Tracker::Impl {
   }
 
   /// @param curves of the picture, if they were found ahead.
-  void make_warm(const image::Image& picture, const Motion& motion,
+  /// @return whether there is a mesh to make it from.
+  bool make_warm(const image::Image& picture, const Motion& motion,
                  std::shared_ptr<const DrawnCurves> curves) {
     rework_last();
     rest_.add(motion.unchanged);
     const bool is_drawn = frame_.drawn && (curves || features::is_drawing(picture));
     drawn_.reset();
-    KnotMesh carried;
+    std::optional<KnotMesh> carried;
     std::optional<LinkMemory> links;
     std::optional<FaceErrors> errors_before;
     parallel_invoke(
@@ -251,11 +253,12 @@ class Tracker::Impl {
           links.emplace(*frame_.space);
         });
     laps_->lap("carry");
-    if (errors_before) carried = refilled(carried, *errors_before);
+    if (!carried) return false;
+    if (errors_before) carried = refilled(*carried, *errors_before);
     laps_->lap("foresee");
     frame_before_ = handed_over(frame_);
     if (drawn_) frame_.drawn = drawn_->limits();
-    take_over(carried, *links);
+    take_over(*carried, *links);
     if (drawn_) {
       draw_curves();
     } else {
@@ -275,6 +278,7 @@ class Tracker::Impl {
     }
     report_->survival = share_alive(frame_before_.space->mesh(), frame_.space->mesh());
     if (++since_softness_ >= kSoftnessInterval) update_edge_softness(picture);
+    return true;
   }
 
   /// Curves lie less well in warm frames than in the cold one, and pictures get out of focus. Half of the
@@ -287,9 +291,10 @@ class Tracker::Impl {
     laps_->lap("softness");
   }
 
-  /// The features of a drawing are found anew; the other knots go where the motion takes them.
-  KnotMesh redrawn_mesh(const image::Image& picture, const Motion& motion,
-                        std::shared_ptr<const DrawnCurves> curves) {
+  /// The features of a drawing are found anew; the other knots go where the motion takes them. Nothing if
+  /// that is no sound mesh, or hardly.
+  std::optional<KnotMesh> redrawn_mesh(const image::Image& picture, const Motion& motion,
+                                       std::shared_ptr<const DrawnCurves> curves) {
     if (!curves) curves = find_drawn_curves(picture, *options_.drawn);
     const std::vector<Vec2> points = image_positions(*frame_.basis, frame_.displacement, next_mesh_);
     const std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
@@ -300,15 +305,10 @@ class Tracker::Impl {
     drawn_ = std::make_unique<DrawnFeatures>(picture, *options_.drawn, *curves, most_functions_, vertices,
                                              *frame_.drawn);
     next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
-    if (drawn_->is_sound()) {
-      std::optional<KnotMesh> redrawn = redraw_mesh(
-          drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves),
-          {.min_distance = kDrawnDistance * options_.carry.min_distance}, next_id_, report_->changes.carry);
-      if (redrawn) return *std::move(redrawn);
-    }
-    drawn_.reset();  // as film
-    report_->changes.carry = {};
-    return carried_mesh(motion);
+    if (!drawn_->is_sound()) return std::nullopt;
+    const CarryOptions options{.min_distance = kDrawnDistance * options_.carry.min_distance};
+    return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options, next_id_,
+                       report_->changes.carry);
   }
 
   /// Where the knots of the mesh prepared for this frame have gone.
