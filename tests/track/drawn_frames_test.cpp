@@ -14,6 +14,7 @@
 #include "support/drawn_scene.h"
 #include "support/pictures.h"
 #include "track/cold_frame.h"
+#include "track/drawn_features.h"
 
 namespace knotreel::track {
 namespace {
@@ -221,6 +222,35 @@ TEST(DrawnFrames, CurvesFoundAheadChangeNothing) {
     EXPECT_EQ(model.displacement, run.models[i].displacement) << i;
   }
   EXPECT_EQ(find_drawn_curves(test::random_picture(64, 48, 3, 1), *options.drawn), nullptr);
+}
+
+/// Two vertices as good as at one place, which a grid of knots could not tell apart.
+DrawnCurves unsound(const DrawnCurves& curves) {
+  DrawnCurves result = curves;
+  features::Chain& chain = result.found.faired.chains.front();
+  features::ChainPoint& a = chain.points[chain.points.size() / 2];
+  features::ChainPoint& b = chain.points[chain.points.size() / 2 + 1];
+  a.corner = b.corner = true;
+  b.move_to(a.on_curve() + Vec2{0.05, 0.05});
+  return result;
+}
+
+TEST(DrawnFrames, WithoutASoundMeshAreCold) {
+  const std::vector<image::Image> pictures = drawn_clip(4);
+  const TrackOptions options = drawn_options();
+  Tracker tracker(vectorize::video_options(picture_options()), options);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    std::optional<Motion> motion;
+    if (i > 0) motion = motion_between(pictures[i - 1], pictures[i]);
+    MadeAhead ahead{.curves = find_drawn_curves(pictures[i], *options.drawn)};
+    if (i == 2) ahead.curves = std::make_shared<const DrawnCurves>(unsound(*ahead.curves));
+    FrameReport report;
+    const document::FrameModel model =
+        tracker.next(pictures[i], motion ? &*motion : nullptr, &report, std::move(ahead));
+    EXPECT_EQ(report.start, i == 0 ? Start::kFirst : i == 2 ? Start::kDrift : Start::kWarm) << i;
+    EXPECT_EQ(model.keyframe, i % 2 == 0) << i;
+    EXPECT_TRUE(tracker.is_drawing());
+  }
 }
 
 TEST(ColdFrame, ADrawingIsDrawnIfThatIsBetterAndThereIsRoom) {
