@@ -22,9 +22,9 @@ struct Message {
   std::unique_ptr<track::Motion> motion;
   bool same_picture = false;  ///< as the frame before has, bit for bit
   bool repeats = false;       ///< picture and stored model are those of the frame before: so is what is drawn
-  std::shared_ptr<Stretch> stretch;  ///< that it belongs to; until it has a model
-  bool starts_group = false;         ///< for certain or nearly so; drift is not foreseen
-  track::MadeAhead ahead;
+  std::shared_ptr<Stretch> stretch;                     ///< that it belongs to; until it has a model
+  bool starts_group = false;                            ///< for certain or nearly so; drift is not foreseen
+  track::MadeAhead ahead;                               ///< until it has a model
   document::FrameModel model;                           ///< from the stage "documents" on: as stored
   std::shared_ptr<const spline::PixelSurface> surface;  ///< of the model, if it is known
   document::FrameModel next;  ///< the frame after, if `model` is to be taken on the way to it ...

@@ -183,6 +183,7 @@ class Tracker::Impl {
   }
 
   void start_group(const image::Image& picture) {
+    if (!frame_.drawn) drawn_.reset();  // of a frame that was thrown away, or of the group before
     count_most_functions(picture);
     measure();
     watch_.start_group(report_->psnr);
