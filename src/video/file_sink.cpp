@@ -2,6 +2,7 @@ extern "C" {
 #include <libavutil/opt.h>
 }
 
+#include <algorithm>
 #include <cstring>
 
 #include "colour_rules.h"
@@ -36,9 +37,13 @@ bool has_option(const AVOutputFormat& container, const char* name) {
   return options != nullptr && av_opt_find(&options, name, nullptr, 0, AV_OPT_SEARCH_FAKE_OBJ) != nullptr;
 }
 
-/// Those of QuickTime do, Matroska does not (5.1).
-bool keeps_display_matrix(const AVOutputFormat& container) {
+bool is_quicktime(const AVOutputFormat& container) {
   return has_option(container, "video_track_timescale");
+}
+
+/// Matroska does not (5.1).
+bool keeps_display_matrix(const AVOutputFormat& container) {
+  return is_quicktime(container);
 }
 
 /// A container file with one encoded video stream and copied others.
@@ -76,6 +81,7 @@ class FileSink : public Sink {
 
   void finish() override {
     encoder_.finish(receiver());
+    write_last_packet();
     check(av_write_trailer(muxer_.get()));
     io_.commit();
   }
@@ -97,8 +103,26 @@ class FileSink : public Sink {
     return [this](AVPacket& packet) {
       packet.stream_index = 0;
       av_packet_rescale_ts(&packet, encoder_.time_base(), video().time_base);
-      check(av_interleaved_write_frame(muxer_.get(), &packet));
+      if (!is_quicktime(container_)) return check(av_interleaved_write_frame(muxer_.get(), &packet));
+      if (last_packet_) {
+        check(av_interleaved_write_frame(muxer_.get(), last_packet_.get()));
+      } else {
+        first_dts_ = packet.dts;
+        first_pts_ = packet.pts;
+        last_packet_ = new_packet();
+      }
+      end_ = std::max(end_, packet.pts + packet.duration);
+      av_packet_move_ref(last_packet_.get(), &packet);
     };
+  }
+
+  /// The length of a track of QuickTime is the sum of the times from each packet to the next in the order of
+  /// decoding: with B-frames, what is beside the last of them is not how long it is shown.
+  void write_last_packet() {
+    if (!last_packet_) return;
+    const std::int64_t rest = end_ - first_pts_ - (last_packet_->dts - first_dts_);
+    if (rest > 0) last_packet_->duration = rest;
+    check(av_interleaved_write_frame(muxer_.get(), last_packet_.get()));
   }
 
   /// @throws what the file threw, or an error of libav's
@@ -158,7 +182,7 @@ class FileSink : public Sink {
   void write_header() {
     const AVCodecID codec = encoder_.context().codec_id;
     Options options;
-    if (has_option(container_, "video_track_timescale")) {
+    if (is_quicktime(container_)) {
       // Ticks as fine as the source's, also where the tracks begin.
       const std::string ticks = std::to_string(encoder_.time_base().den);
       options.set("video_track_timescale", ticks);
@@ -181,6 +205,8 @@ class FileSink : public Sink {
   OutputIo io_;
   std::unique_ptr<AVFormatContext, Deleter> muxer_;
   CopiedStreams copied_;
+  PacketPtr last_packet_;  // of QuickTime, in the order of decoding; with times of the muxer, like these:
+  std::int64_t first_dts_ = 0, first_pts_ = 0, end_ = 0;
 };
 
 }  // namespace
