@@ -13,10 +13,15 @@
 namespace knotreel::video {
 namespace {
 
+/// Steps of a sample from what it was to what it should be, up to which it stays. Half a step is what
+/// rounding misses in any case.
+constexpr double kHeld = 0.7;
+
 /// Everything that a row of the target needs to know.
 struct Job {
   const image::Image& image;
   AVFrame& frame;
+  const AVFrame* before;  // or null
   const AVPixFmtDescriptor& format;
   LumaWeights weights;
   ChromaPlace place;
@@ -111,6 +116,27 @@ void round_line(const float* values, double factor, double offset, double most, 
   }
 }
 
+/// Puts samples back that the values are near to.
+KNOTREEL_MULTIVERSION
+void hold_line(const float* values, double factor, double offset, const std::uint32_t* before,
+               std::size_t count, std::uint32_t* line) {
+  for (std::size_t x = 0; x < count; ++x) {
+    const double off = double(values[x]) * factor + offset - double(std::int32_t(before[x]));
+    line[x] = (off <= kHeld) & (off >= -kHeld) ? before[x] : line[x];
+  }
+}
+
+/// The samples of the frame before in the place of a line.
+std::vector<std::uint32_t>& line_before(const Job& job, int component, int y, std::size_t count) {
+  thread_local std::vector<std::uint32_t> line;
+  line.resize(count);
+  const std::uint8_t* planes[4];
+  std::copy_n(job.before->data, 4, planes);
+  av_read_image_line2(line.data(), planes, job.before->linesize, &job.format, 0, y, component, int(count), 0,
+                      4);
+  return line;
+}
+
 /// Puts a line of values as the samples that they are stored as.
 void put_line(const Job& job, int component, int y, const std::vector<float>& values, float factor,
               float offset) {
@@ -120,6 +146,10 @@ void put_line(const Job& job, int component, int y, const std::vector<float>& va
   const double most = double((std::int64_t{1} << depth) - 1);
   if (depth < 32) {
     round_line(values.data(), double(factor), double(offset), most, values.size(), line.data());
+    if (job.before != nullptr) {
+      hold_line(values.data(), double(factor), double(offset),
+                line_before(job, component, y, values.size()).data(), values.size(), line.data());
+    }
   } else {
     std::transform(values.begin(), values.end(), line.begin(), [&](float value) {
       return std::uint32_t(std::clamp(double(value) * double(factor) + double(offset) + 0.5, 0.0, most));
@@ -222,10 +252,10 @@ void clear(AVFrame& frame) {
 }  // namespace
 
 FramePtr packed_frame(const image::Image& image, AVPixelFormat format, const ColourTags& colour,
-                      int coded_height) {
+                      int coded_height, const AVFrame* before) {
   const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
   if (image.has_alpha() && !has_alpha(description)) {
-    return packed_frame(on_black(image), format, colour, coded_height);
+    return packed_frame(on_black(image), format, colour, coded_height, before);
   }
   FramePtr frame = new_frame();
   frame->format = format;
@@ -239,7 +269,8 @@ FramePtr packed_frame(const image::Image& image, AVPixelFormat format, const Col
   }
   const bool full = without_range(format) != format || full_range(colour.range, description);
   const int matrix = matrix_in_use(colour.matrix, coded_height);
-  const Job job{image, *frame, description, luma_weights(matrix), chroma_place(colour.chroma_location), full};
+  const Job job{
+      image, *frame, before, description, luma_weights(matrix), chroma_place(colour.chroma_location), full};
   put_colours(job);
   if (has_alpha(description)) put_alpha(job);
   return frame;

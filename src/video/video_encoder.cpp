@@ -133,7 +133,7 @@ void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64
                          Warnings& warnings, const Receiver& receiver) {
   ColourTags tags = info_.colour;
   tags.range = encoder_->color_range;
-  const FramePtr frame = packed_frame(image, encoder_->pix_fmt, tags, info_.height);
+  const FramePtr frame = packed_frame(image, encoder_->pix_fmt, tags, info_.height, last_.get());
   frame->color_range = encoder_->color_range;
   frame->colorspace = encoder_->colorspace;
   frame->color_primaries = encoder_->color_primaries;
@@ -157,7 +157,7 @@ void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64
   if (fills_gaps_) last_end_ = std::min(last_end_, frame->pts + most_repeats());
   durations_[frame->pts] = last_end_ - frame->pts;
   send(frame.get(), receiver);
-  if (fills_gaps_) last_.reset(allocated(av_frame_clone(frame.get())));
+  last_.reset(allocated(av_frame_clone(frame.get())));
 }
 
 /// A time of the source in ticks of the output, held so far from the ends of 64 bits that sums of some are
@@ -184,7 +184,7 @@ void VideoEncoder::cut_gap_before(AVFrame& frame, Warnings& warnings) {
 
 /// The last frame once more at every tick that has gone by since.
 void VideoEncoder::repeat_until(std::int64_t pts, const Receiver& receiver) {
-  while (last_ && last_pts_ + 1 < pts) {
+  while (fills_gaps_ && last_ && last_pts_ + 1 < pts) {
     last_->pts = ++last_pts_;
     send(last_.get(), receiver);
   }

@@ -45,7 +45,7 @@ class VideoEncoder {
   std::int64_t last_pts_ = AV_NOPTS_VALUE;
   std::int64_t last_end_ = 0;
   bool fills_gaps_ = false;   // with repeated frames, where times are not kept and rates are not free
-  FramePtr last_;             // if it fills gaps
+  FramePtr last_;             // as it was sent
   std::int64_t cut_out_ = 0;  // ticks of gaps that are too long
   bool takes_crf_ = true;
 };
