@@ -17,12 +17,13 @@
 #include "knotreel/raster/edge_softness.h"
 #include "knotreel/spline/fingerprint.h"
 #include "knotreel/track/group_rule.h"
-#include "track/bend_geometry.h"
 #include "track/carried_geometry.h"
 #include "track/carried_links.h"
+#include "track/carried_mesh.h"
 #include "track/cold_frame.h"
+#include "track/cold_outlook.h"
 #include "track/colour_coarseness.h"
-#include "track/difficulty.h"
+#include "track/curve_bending.h"
 #include "track/drawn_features.h"
 #include "track/fit_watch.h"
 #include "track/fitted_frame.h"
@@ -35,7 +36,6 @@
 #include "track/redraw_mesh.h"
 #include "track/resting_knots.h"
 #include "track/rework.h"
-#include "track/snap.h"
 #include "track/warm_fit.h"
 
 namespace knotreel::track {
@@ -57,11 +57,9 @@ const char* to_string(Start start) {
 
 namespace {
 
-constexpr int kFramesToBend = 16;
 constexpr int kFramesToRest = 4;
 constexpr double kRestToUse = 0.1;  // share of a picture; with less, to look for what is the same costs more
-constexpr double kSquaredOverMec = 2;    // mean squared error over the square of the MEC, about
-constexpr double kLeftOut = 2;           // times vectorize::Options::block_error: where that is seen at once
+constexpr double kLeftOut = 2;      // times vectorize::Options::block_error: where that is seen at once
 constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 // Times CarryOptions::min_distance: between outlines, knots are close to them from the first frame on.
@@ -70,26 +68,6 @@ constexpr double kDrawnDistance = 0.5;
 using mesh::EditableMesh;
 using mesh::KnotIndex;
 using mesh::KnotMesh;
-
-/// Where the geometry of a surface takes the knots of a mesh in the image.
-std::vector<Vec2> image_positions(const spline::Basis& basis, std::span<const Vec2> displacement,
-                                  const KnotMesh& mesh) {
-  std::vector<Vec2> points;
-  for (const mesh::Knot& k : mesh.knots) points.push_back(k.position);
-  if (std::all_of(displacement.begin(), displacement.end(), [](Vec2 d) { return d == Vec2{}; }))
-    return points;
-  return fit::image_points(basis, displacement, std::move(points));
-}
-
-/// Adds the segments that could not follow their edges to the lost ones: in the wrong place they harm.
-bool give_up_stuck(const CarryReport& report, std::vector<std::uint8_t>& lost) {
-  bool any = false;
-  for (const std::size_t i : report.stuck) {
-    any = any || !lost[i];
-    lost[i] = 1;
-  }
-  return any;
-}
 
 double share_alive(const KnotMesh& before, const KnotMesh& now) {
   std::unordered_set<std::uint32_t> ids;
@@ -121,7 +99,13 @@ FittedFrame handed_over(FittedFrame& frame) {
 class Tracker::Impl {
  public:
   Impl(const vectorize::Options& cold, const TrackOptions& options, Start first)
-      : cold_(cold), options_(options), groups_(options, first), watch_(options), rework_(cold, options) {}
+      : cold_(cold),
+        options_(options),
+        groups_(options, first),
+        outlook_(cold),
+        watch_(options),
+        rework_(cold, options),
+        bending_(options, cold.unfold) {}
 
   document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport& report,
                             MadeAhead ahead) {
@@ -189,24 +173,17 @@ class Tracker::Impl {
     watch_.start_group(report_->psnr);
     coarseness_.start_group(report_->psnr);
     rework_.start_group(frame_);
-    since_bend_ = options_.bend_interval;
+    bending_.start_group();
     since_softness_ = kSoftnessInterval;
-    frames_to_bend_ = 0;
     rest_.start(picture.width, picture.height);
     next_id_ = EditableMesh(frame_.space->mesh()).next_id();
-    last_cold_ = {report_->psnr, std::nullopt};
+    outlook_.start_group(report_->psnr);
     keep_for_next(picture, false);
   }
 
   void make_target(image::Image picture) {
     target_ = std::make_unique<knots::Target>(std::move(picture), std::vector<float>{});
-    difficulty_.reset();
-  }
-
-  /// Of the picture of the target; found when first asked for.
-  double difficulty_now() {
-    if (!difficulty_) difficulty_ = difficulty(*target_, cold_, most_functions_);
-    return *difficulty_;
+    outlook_.next_picture();
   }
 
   void measure() {
@@ -246,11 +223,15 @@ class Tracker::Impl {
     std::optional<LinkMemory> links;
     std::optional<FaceErrors> errors_before;
     parallel_invoke(
-        [&] { carried = is_drawn ? redrawn_mesh(picture, motion, std::move(curves)) : carried_mesh(motion); },
+        [&] {
+          carried = is_drawn ? redrawn_mesh(picture, motion, std::move(curves))
+                             : carried_mesh(frame_, next_mesh_, motion, rest_, options_.carry,
+                                            report_->changes.carry);
+        },
         [&] {
           if (!is_drawn) errors_before.emplace(mesh_, *target_);
           target_->change_to(picture);
-          difficulty_.reset();
+          outlook_.next_picture();
           links.emplace(*frame_.space);
         });
     laps_->lap("carry");
@@ -267,8 +248,7 @@ class Tracker::Impl {
     }
     fit(picture, motion);
     measure();
-    // Curves that were left alone may be why: they are bent in all frames for a while.
-    if (since_bend_ > 0 && watch_.has_fallen(report_->psnr)) frames_to_bend_ = kFramesToBend;
+    if (watch_.has_fallen(report_->psnr)) bending_.fit_has_fallen();
     for (int pass = 0; pass < options_.most_repairs && watch_.needs_repair(report_->psnr); ++pass) {
       if (drawn_ && !misses_thresholds()) break;
       take_over(rework_.at_once(rework_input(), rework_log()), LinkMemory(*frame_.space));
@@ -297,7 +277,7 @@ class Tracker::Impl {
   std::optional<KnotMesh> redrawn_mesh(const image::Image& picture, const Motion& motion,
                                        std::shared_ptr<const DrawnCurves> curves) {
     if (!curves) curves = find_drawn_curves(picture, *options_.drawn);
-    const std::vector<Vec2> points = image_positions(*frame_.basis, frame_.displacement, next_mesh_);
+    const std::vector<Vec2> points = image_positions(frame_, next_mesh_);
     const std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
     std::vector<Vec2> vertices;
     for (std::size_t k = 0; k < points.size(); ++k) {
@@ -310,20 +290,6 @@ class Tracker::Impl {
     const CarryOptions options{.min_distance = kDrawnDistance * options_.carry.min_distance};
     return redraw_mesh(drawn_->knots(), next_mesh_, knot_targets(next_mesh_, moves), options, next_id_,
                        report_->changes.carry);
-  }
-
-  /// Where the knots of the mesh prepared for this frame have gone.
-  KnotMesh carried_mesh(const Motion& motion) {
-    const std::vector<Vec2> points = image_positions(*frame_.basis, frame_.displacement, next_mesh_);
-    std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
-    SnapResult snapped = snap_to_edges(*frame_.basis, frame_.displacement, next_mesh_, moves,
-                                       frame_.seen.picture, *motion.before, *motion.now);
-    const std::vector<std::uint8_t> rests = resting_knots(next_mesh_, rest_);
-    for (std::size_t k = 0; k < moves.size(); ++k) moves[k] = rests[k] ? Vec2{} : moves[k] + snapped.moves[k];
-    const std::vector<Vec2> targets = knot_targets(next_mesh_, moves);
-    KnotMesh carried = carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->changes.carry);
-    if (!give_up_stuck(report_->changes.carry, snapped.lost)) return carried;
-    return carry_mesh(next_mesh_, targets, snapped.lost, options_.carry, &report_->changes.carry);
   }
 
   /// A carried mesh with knots for those that were lost on the way, where the picture asks for them; and for
@@ -356,7 +322,7 @@ class Tracker::Impl {
   /// look again soon.
   std::shared_ptr<ColdFrame> better_cold_frame(const image::Image& picture) {
     watch_.looked(report_->psnr);
-    const double expected = expected_psnr();
+    const double expected = outlook_.expected_psnr(*target_, most_functions_);
     laps_->lap("difficulty");
     if (expected < report_->psnr + options_.restart_gain) return nullptr;
     std::shared_ptr<ColdFrame> cold = cold_frame(picture);
@@ -364,20 +330,8 @@ class Tracker::Impl {
     const Quality quality = quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture);
     if (quality.psnr > report_->psnr + options_.restart_gain) return cold;
     watch_.made_cold_frame_in_vain();
-    last_cold_ = {quality.psnr, difficulty_now()};
+    outlook_.made_in_vain(quality.psnr, *target_, most_functions_);
     return nullptr;
-  }
-
-  /// Of a cold frame, about: that of the last one, less what the picture has become harder since, but at
-  /// least what is good enough if the bound on control points allows that.
-  double expected_psnr() {
-    constexpr double kLeast = 1;  // squared levels, of the whole picture
-    const double by_last =
-        last_cold_.psnr - 10 * std::log10((difficulty_now() + kLeast) / (*last_cold_.difficulty + kLeast));
-    const double pixels = static_cast<double>(target_->image().pixel_count());
-    const double good_enough = pixels * kSquaredOverMec * cold_.mec * cold_.mec;
-    if (difficulty_now() > good_enough) return by_last;
-    return std::max(by_last, 10 * std::log10(255.0 * 255 * target_->channels() * pixels / good_enough));
   }
 
   /// The space over a mesh that comes from the one there is, whose links are given. How many functions knots
@@ -416,22 +370,8 @@ class Tracker::Impl {
 
   void round_displacement() { document::round_displacement(frame_.displacement, options_.displacement_step); }
 
-  /// Bends the geometry to the edges once in a while, if the curves miss them by too much.
   void bend_curves(const motion::Luma& now) {
-    frames_to_bend_ = std::max(0, frames_to_bend_ - 1);
-    const int interval = frames_to_bend_ > 0 ? 1 : options_.bend_interval;
-    const bool has_new_features = rework_.take_new_features();
-    if (++since_bend_ < interval && !has_new_features) return;
-    since_bend_ = 0;
-    const EdgePoints edges = find_edge_points(*frame_.basis, frame_.displacement, now);
-    if (edges.rms <= options_.curve_error && !has_new_features) return;
-    std::vector<std::uint8_t> held;
-    if (!has_new_features) held = resting_geometry(*frame_.space, resting_knots(frame_.space->mesh(), rest_));
-    bend_geometry(*frame_.basis, edges.points, frame_.displacement, held);
-    round_displacement();
-    fit::unfold_geometry(*frame_.basis, frame_.displacement, cold_.unfold);
-    round_displacement();
-    laps_->lap("geometry");
+    if (bending_.bend(now, rest_, rework_.take_new_features(), frame_)) laps_->lap("geometry");
   }
 
   /// Puts the curves of a drawing where they were found.
@@ -462,13 +402,11 @@ class Tracker::Impl {
   /// Makes the mesh to start from of that of the last frame.
   void rework_last() {
     if (!target_) make_target(std::exchange(first_picture_, {}));
-    parallel_invoke(
-        [&] {
-          if (!last_cold_.difficulty) last_cold_.difficulty = difficulty_now();
-        },
-        [&] {
-          next_mesh_ = rework_.for_next_frame(rework_input(), last_mec_, last_is_urgent_, rework_log());
-        });
+    parallel_invoke([&] { outlook_.look_back(*target_, most_functions_); },
+                    [&] {
+                      next_mesh_ =
+                          rework_.for_next_frame(rework_input(), last_mec_, last_is_urgent_, rework_log());
+                    });
   }
 
   ReworkInput rework_input() const {
@@ -488,6 +426,7 @@ class Tracker::Impl {
   TrackOptions options_;
   GroupRule groups_;
   motion::Rest rest_{kFramesToRest};
+  ColdOutlook outlook_;
   FitWatch watch_;
   ColourCoarseness coarseness_;
   FrameReport* report_ = nullptr;
@@ -501,23 +440,17 @@ class Tracker::Impl {
   std::vector<std::uint32_t> match_;  ///< of the functions of the frame with those of the one before
   FittedFrame frame_before_;
   Rework rework_;
+  CurveBending bending_;
   std::atomic<bool> is_drawing_ = false;   ///< as told to others
   std::unique_ptr<DrawnFeatures> drawn_;   ///< of a drawn frame that is made from the one before
   std::unique_ptr<knots::Target> target_;  ///< of the last picture
-  std::optional<double> difficulty_;       ///< of that
   std::uint32_t next_id_ = 0;
 
-  struct {
-    double psnr = 0;
-    std::optional<double> difficulty;  ///< found once there is a next frame
-  } last_cold_;                        ///< that began the group, or was made in vain
   double last_mec_ = 0;
   image::Image first_picture_;  ///< of the group, until there is a target of it; if warm frames may follow
   bool last_is_urgent_ = false;
   std::size_t most_functions_ = 0;
-  int since_bend_ = 0;      ///< frames
   int since_softness_ = 0;  ///< frames
-  int frames_to_bend_ = 0;  ///< in which curves are looked at whatever the interval
 };
 
 Tracker::Tracker(const vectorize::Options& cold, const TrackOptions& options, Start first)
