@@ -124,6 +124,7 @@ void VideoEncoder::open(const WriteOptions& options) {
   Options dictionary;
   set_quality(*encoder_, dictionary, options);
   const std::string name = encoder_->codec->name;  // a failure takes the codec away
+  if (name == "hap" && info_.channels % 2 == 0) dictionary.set("format", "hap_alpha");
   const int result = avcodec_open2(encoder_.get(), encoder_->codec, dictionary.get());
   if (result < 0) throw refused(*encoder_, info_, name, options, result);
   takes_crf_ = dictionary.unused() != "crf";

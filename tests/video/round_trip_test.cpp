@@ -127,6 +127,8 @@ INSTANTIATE_TEST_SUITE_P(Encoders, PixelFormats,
                                          Kept{"odd.avi", "", "yuv420p", "yuv420p", 65, 47, 5},
                                          Kept{"odd.mov", "prores", "yuv420p", "yuv444p12le", 65, 47, 3},
                                          Kept{"a.mov", "prores", "yuv422p10le", "yuv422p10le", 64, 48, 3},
+                                         Kept{"a.mov", "hap", "yuv420p", "rgb0", 64, 48, 6},
+                                         Kept{"alpha.mov", "hap", "yuva420p", "rgba", 64, 48, 6},
                                          Kept{"a.gif", "", "rgb24", "bgra", 64, 48, 4},
                                          Kept{"a.mkv", "av1", "yuv420p", "yuv420p", 64, 48, 6}));
 
