@@ -100,7 +100,8 @@ void add_transcode_command(CLI::App& program) {
   command->option_defaults()->group("Video");
   add_tracking_options(*command, arguments->run.tracking, arguments->run.no_drawn_frames);
   command->option_defaults()->group("Options");
-  add_vectorize_options(*command, arguments->run.options, "2%, of small drawn videos 20% up to 3000");
+  add_vectorize_options(*command, arguments->run.options,
+                        "2%, of small videos 20% up to 1500,\nof drawn ones up to 3000");
   command->footer(kTranscodeFooter);
   command->callback([arguments] { transcode(*arguments); });
 }

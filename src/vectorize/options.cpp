@@ -9,11 +9,18 @@ namespace knotreel::vectorize {
 namespace {
 
 constexpr std::size_t kMostOfSmall = 3'000;
+constexpr std::size_t kMostOfSmallFilm = 1'500;
 constexpr double kShareOfSmall = 0.2;
+constexpr double kShareOfVideo = 0.02;
 constexpr std::size_t kMostOfDrawings = 200'000;
 
 std::size_t share_of(std::uint64_t pixels, double share) {
   return std::max<std::size_t>(256, static_cast<std::size_t>(share * static_cast<double>(pixels)));
+}
+
+/// A share of the pixels, or of small pictures a larger one, up to some number.
+std::size_t share_or_more(std::uint64_t pixels, double share, std::size_t most_of_small) {
+  return std::max(share_of(pixels, share), std::min(most_of_small, share_of(pixels, kShareOfSmall)));
 }
 
 /// From 10 % to 40 %: what is not flat is drawn densely, such as a page of text.
@@ -25,19 +32,17 @@ double share_of_drawing(const image::Image& picture) {
 
 std::size_t default_control_points(const image::Image& picture) {
   const std::uint64_t pixels = picture.pixel_count();
-  const std::size_t of_small = std::min(kMostOfSmall, share_of(pixels, kShareOfSmall));
-  const std::size_t of_any = std::max(of_small, share_of(pixels, 0.0275));
+  const std::size_t of_any = share_or_more(pixels, 0.0275, kMostOfSmall);
   if (of_any >= kMostOfDrawings || !features::is_drawing(picture)) return of_any;
   return std::max(of_any, std::min(kMostOfDrawings, share_of(pixels, share_of_drawing(picture))));
 }
 
 std::size_t default_video_control_points(std::uint64_t pixels) {
-  return share_of(pixels, 0.02);
+  return share_or_more(pixels, kShareOfVideo, kMostOfSmallFilm);
 }
 
 std::size_t default_drawn_video_control_points(std::uint64_t pixels) {
-  return std::max(default_video_control_points(pixels),
-                  std::min(kMostOfSmall, share_of(pixels, kShareOfSmall)));
+  return share_or_more(pixels, kShareOfVideo, kMostOfSmall);
 }
 
 std::size_t most_control_points(const Options& options, const image::Image& picture) {

@@ -393,8 +393,11 @@ TEST(Vectorize, DenseDrawingsMayHaveEvenMore) {
   EXPECT_NEAR(double(dense), (2 * 3.0 / 8 - 0.4) * 400 * 300, 1200);
 }
 
-TEST(Vectorize, SmallDrawnVideosMayHaveMoreControlPoints) {
-  EXPECT_EQ(default_video_control_points(200 * 100), 400U);
+TEST(Vectorize, SmallVideosMayHaveMoreControlPoints) {
+  EXPECT_EQ(default_video_control_points(640 * 360), 4608U);
+  EXPECT_EQ(default_video_control_points(200 * 100), 1500U);
+  EXPECT_EQ(default_video_control_points(50 * 40), 400U);
+  EXPECT_EQ(default_video_control_points(20 * 10), 256U);
   EXPECT_EQ(default_drawn_video_control_points(200 * 100), 3000U);
   EXPECT_EQ(default_drawn_video_control_points(100 * 60), 1200U);
   EXPECT_EQ(default_drawn_video_control_points(20 * 10), 256U);
