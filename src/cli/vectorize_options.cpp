@@ -235,6 +235,7 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
           {"colour", {{"ridge", o.colour.ridge}}},
           {"geometry",
            {{"feature_weight", o.geometry.feature_weight},
+            {"joint_weight", o.geometry.joint_weight},
             {"ridge", o.geometry.ridge},
             {"least", o.geometry.least}}},
           {"mixed_weight", o.mixed_weight}};

@@ -6,6 +6,7 @@
 #include <atomic>
 #include <cmath>
 
+#include "fit/joints.h"
 #include "fit/normal_equations.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
@@ -139,6 +140,23 @@ void add_curves(const spline::Basis& basis, std::span<const CurvePoint> curves, 
   }
 }
 
+void add_joints(std::span<const JointEquation> equations, double weight, const Unknowns& unknowns,
+                Folded& folded) {
+  for (const JointEquation& e : equations) {
+    for (std::size_t a = 0; a < e.groups.size(); ++a) {
+      const int r = unknowns.column[e.groups[a]];
+      if (r < 0) continue;
+      const double v = weight * e.factors[a];
+      folded.right(r, 0) += v * e.wanted.x;
+      folded.right(r, 1) += v * e.wanted.y;
+      for (std::size_t b = 0; b < e.groups.size(); ++b) {
+        const int c = unknowns.column[e.groups[b]];
+        if (c >= 0 && c <= r) folded.entries.emplace_back(r, c, v * e.factors[b]);
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Vec2> fit_geometry(const spline::PixelValues& values, std::span<const Vec2> places,
@@ -153,6 +171,10 @@ std::vector<Vec2> fit_geometry(const spline::PixelValues& values, std::span<cons
   const PixelValues wanted(values.basis(), values.width(), values.height(), places, active);
   Folded folded = fold(assemble<double>(wanted, target, {}), space, unknowns);
   add_curves(values.basis(), curves, options.feature_weight, unknowns, folded);
+  if (options.joint_weight > 0) {
+    add_joints(joint_equations(space, joints_of(curves)), options.joint_weight * options.feature_weight,
+               unknowns, folded);
+  }
   const auto n = static_cast<Eigen::Index>(unknowns.groups.size());
   Matrix matrix(n, n);
   matrix.setFromTriplets(folded.entries.begin(), folded.entries.end());

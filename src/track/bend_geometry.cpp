@@ -5,6 +5,7 @@
 #include <limits>
 #include <utility>
 
+#include "fit/joints.h"
 #include "knotreel/base/error.h"
 
 namespace knotreel::track {
@@ -12,6 +13,7 @@ namespace knotreel::track {
 namespace {
 
 // Weights, relative to that of a point of a curve.
+constexpr double kJoint = 0.5;     // of a joint, where two segments are one smooth curve
 constexpr double kScreen = 0.005;  // of its displacement, if it reaches a curve
 constexpr double kAway = 0.5;      // more of that, if it does not and its neighbours are far away
 constexpr double kFar = 2;         // pixels to the nearest of them, for half of it
@@ -60,6 +62,7 @@ class ElasticSheet {
           std::span(values.values).subspan(values.begin[i], values.begin[i + 1] - values.begin[i]);
       add_point(here, points[i].position - points[i].parameter);
     }
+    for (const fit::JointEquation& e : fit::joint_equations(space_, fit::joints_of(points))) add_joint(e);
   }
 
   void solve(std::vector<Vec2>& displacement) const {
@@ -158,6 +161,24 @@ class ElasticSheet {
       for (const spline::BasisValue& b : values) {
         const int c = row_of_[space_.geometry_of()[b.function]];
         if (c >= 0 && c <= r) point_entries_.emplace_back(r, c, a.value * b.value);
+      }
+    }
+  }
+
+  void add_joint(const fit::JointEquation& joint) {
+    Vec2 wanted = joint.wanted;
+    for (std::size_t a = 0; a < joint.groups.size(); ++a) {
+      if (row_of_[joint.groups[a]] < 0) wanted = wanted - joint.factors[a] * before_[joint.groups[a]];
+    }
+    for (std::size_t a = 0; a < joint.groups.size(); ++a) {
+      const int r = row_of_[joint.groups[a]];
+      if (r < 0) continue;
+      const double v = kJoint * joint.factors[a];
+      point_right_(r, 0) += v * wanted.x;
+      point_right_(r, 1) += v * wanted.y;
+      for (std::size_t b = 0; b < joint.groups.size(); ++b) {
+        const int c = row_of_[joint.groups[b]];
+        if (c >= 0 && c <= r) point_entries_.emplace_back(r, c, v * joint.factors[b]);
       }
     }
   }

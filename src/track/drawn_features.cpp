@@ -43,7 +43,7 @@ void DrawnFeatures::displace(const spline::Basis& basis, std::span<const std::ui
   for (std::size_t g = 0; g < displacement.size(); ++g) {
     if (held.empty() || !held[g]) displacement[g] = {};
   }
-  bend_geometry(basis, vectorize::curve_points(mapped_.parametrization), displacement, held, kYielding);
+  bend_geometry(basis, vectorize::curve_points(mapped_), displacement, held, kYielding);
   document::round_displacement(displacement, step);
   fit::unfold_geometry(basis, displacement, unfold);
   document::round_displacement(displacement, step);

@@ -89,6 +89,7 @@ Options video_options(Options picture) {
   // Each vertex has to be carried along; and the frames behind bend their curves anyhow.
   picture.parametrize.polyline_distance = std::max(picture.parametrize.polyline_distance, 2.0);
   picture.geometry.feature_weight = std::min(picture.geometry.feature_weight, 20.0);
+  picture.geometry.joint_weight = 0;  // the frames behind bend their curves anyhow
   picture.unfold = std::min(picture.unfold, 0.85);
   picture.descend_along_curves = true;
   picture.drawn_threshold = 0;

@@ -5,6 +5,7 @@
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/edge_colours.h"
+#include "vectorize/smooth_vertices.h"
 
 namespace knotreel::vectorize {
 
@@ -32,10 +33,13 @@ std::vector<std::uint32_t> first_segments(const std::vector<param::Polyline>& li
 
 }  // namespace
 
-std::vector<fit::CurvePoint> curve_points(const param::Parametrization& map) {
+std::vector<fit::CurvePoint> curve_points(const MappedPicture& mapped) {
+  const param::Parametrization& map = mapped.parametrization;
+  const std::vector<std::uint8_t> smooth = smooth_vertices(map, mapped.faired);
   std::vector<fit::CurvePoint> points;
   points.reserve(map.curve_samples.size());
-  for (const param::CurveSample& s : map.curve_samples) points.push_back({parameter_of(map, s), s.position});
+  for (const param::CurveSample& s : map.curve_samples)
+    points.push_back({parameter_of(map, s), s.position, smooth[points.size()] != 0});
   return points;
 }
 
@@ -69,7 +73,7 @@ void Samples::place_pixels() {
 std::vector<std::uint8_t> Samples::place_curves() {
   const std::vector<std::uint32_t> segments = first_segments(mapped_.parametrization.polylines);
   std::vector<std::uint8_t> crossed(picture_.pixel_count(), 0);
-  curves_ = curve_points(mapped_.parametrization);
+  curves_ = curve_points(mapped_);
   for (const param::CurveSample& s : mapped_.parametrization.curve_samples) {
     curve_segments_.push_back(segments[s.polyline] + s.segment);
     const int x = std::clamp(static_cast<int>(s.position.x), 0, picture_.width - 1);

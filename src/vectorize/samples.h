@@ -13,7 +13,7 @@
 namespace knotreel::vectorize {
 
 /// Points of features, as the geometry is fitted to them, in the order of the map's curve samples.
-std::vector<fit::CurvePoint> curve_points(const param::Parametrization& map);
+std::vector<fit::CurvePoint> curve_points(const MappedPicture& mapped);
 
 /// What surfaces are fitted to: the pixels of a picture and points of its features, with their places in the
 /// domain.

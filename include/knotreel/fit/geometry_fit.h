@@ -12,12 +12,16 @@ namespace knotreel::fit {
 struct CurvePoint {
   Vec2 parameter;
   Vec2 position;
+  bool joint = false;  ///< two segments meet here, and are one smooth curve
 };
 
 struct GeometryFitOptions {
   /// Of points on features; pixels have 1. More than in the paper (sec. 7.2), where curves give way to the
   /// pixels beside them and come out angular.
   double feature_weight = 200;
+  /// Of each joint, as many times that of a point: its two segments go on into each other, which the paper
+  /// does not ask for. 0: it is left to the points.
+  double joint_weight = 2;
   double ridge = 1e-5;      ///< as in ColourFitOptions: towards no displacement
   double least = 1.0 / 64;  ///< displacements shorter than this are set to zero, pixels
 };
