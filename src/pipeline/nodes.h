@@ -71,7 +71,8 @@ class InOrderTo {
 using InOrder = InOrderTo<MessagePtr>;
 using LastInOrder = InOrderTo<flow::continue_msg>;
 
-/// A stage that takes the frames of each stretch one at a time, in order, and several stretches at once.
+/// A stage that takes the frames of each stretch one at a time, in order, and several stretches at once, if
+/// these have turns of their own.
 /// Passes frames on in any order.
 class InOrderWithinStretches {
  public:
@@ -92,21 +93,21 @@ class InOrderWithinStretches {
   template <class Body, class Port>
   static void work(const MessagePtr& message, const Body& body, Port& port) {
     message->passed_on.acquire();
-    const std::shared_ptr<Stretch> stretch = message->stretch;
-    std::unique_lock lock(stretch->mutex);
-    stretch->waiting.emplace(message->index, message);
-    if (stretch->busy) return;
-    stretch->busy = true;
-    for (auto first = stretch->waiting.begin();
-         first != stretch->waiting.end() && first->first == stretch->next; first = stretch->waiting.begin()) {
+    const std::shared_ptr<Turns> turns = message->stretch->turns;
+    std::unique_lock lock(turns->mutex);
+    turns->waiting.emplace(message->index, message);
+    if (turns->busy) return;
+    turns->busy = true;
+    for (auto first = turns->waiting.begin(); first != turns->waiting.end() && first->first == turns->next;
+         first = turns->waiting.begin()) {
       const MessagePtr ready = std::move(first->second);
-      stretch->waiting.erase(first);
-      ++stretch->next;
+      turns->waiting.erase(first);
+      ++turns->next;
       lock.unlock();
       port.try_put(body(ready));
       lock.lock();
     }
-    stretch->busy = false;
+    turns->busy = false;
   }
 
   Node node_;

@@ -1,5 +1,7 @@
 #include "pipeline/stages.h"
 
+#include <oneapi/tbb/global_control.h>
+
 #include <utility>
 
 #include "knotreel/base/error.h"
@@ -13,6 +15,15 @@
 
 namespace knotreel::pipeline {
 namespace {
+
+/// As many are busy with one group of frames alone: another one beside it would only take memory, a sixth of
+/// all at 640x360.
+constexpr std::size_t kThreadsOfAGroup = 2;
+
+std::size_t thread_count() {
+  using oneapi::tbb::global_control;
+  return global_control::active_value(global_control::max_allowed_parallelism);
+}
 
 /// The first frame is what somebody waits for; from then on, frames come as fast as they can.
 bool is_awaited(const Message& message) {
@@ -28,7 +39,8 @@ Stages::Stages(const Job& job)
               job.ssim ? image::Figures::kAll : image::Figures::kWithoutSsim),
       beside_(job),
       document_(job.document, info_),
-      groups_(job.tracking) {
+      groups_(job.tracking),
+      groups_at_once_(!job.tracking.warm_start || thread_count() > kThreadsOfAGroup) {
   make_split_folder(job.split_folder);
 }
 
@@ -66,13 +78,14 @@ void Stages::plan(Message& message) {
   message.starts_group = start != track::Start::kWarm;
   // Where the others start depends on what drifts.
   if (start == track::Start::kFirst || start == track::Start::kCut)
-    stretch_ = std::make_shared<Stretch>(message.index, job_, start);
+    stretch_ = std::make_shared<Stretch>(message.index, job_, start,
+                                         groups_at_once_ || !stretch_ ? nullptr : stretch_->turns);
   message.stretch = stretch_;
 }
 
 void Stages::ahead(Message& message) {
   if (message.starts_group) {
-    cold(message);
+    if (groups_at_once_) cold(message);
   } else if (message.stretch->tracker.is_drawing() && !message.same_picture) {
     timed(failure_, "curves", message,
           [&] { message.ahead.curves = track::find_drawn_curves(*message.picture, *job_.tracking.drawn); });
@@ -89,8 +102,9 @@ void Stages::cold(Message& message) {
 }
 
 void Stages::model(Message& message) {
+  const Urgent urgent;  // models follow each other
+  if (message.starts_group && !groups_at_once_) cold(message);
   timed(failure_, "model", message, [&] {
-    const Urgent urgent;  // models follow each other
     track::FrameReport report;
     track::Tracker& tracker = message.stretch->tracker;
     message.model = tracker.next(*message.picture, message.motion.get(), &report, std::move(message.ahead));

@@ -48,6 +48,7 @@ class Stages {
   DocumentSink document_;
   document::FrameModel stored_;  ///< the last frame
   track::GroupRule groups_;
+  bool groups_at_once_;               ///< frames that start one are made ahead
   std::shared_ptr<Stretch> stretch_;  ///< of the frame that was planned last
   FirstFailure failure_;
   std::shared_ptr<const image::Image> before_;

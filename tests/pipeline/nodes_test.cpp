@@ -106,5 +106,18 @@ TEST(PipelineNodes, StretchesAreWorkedOnAtTheSameTime) {
   });
 }
 
+TEST(PipelineNodes, StretchesThatShareTheirTurnsFollowEachOther) {
+  const ThreadCap cap(4);
+  std::mt19937_64 random(9);
+  for (int round = 0; round < 50; ++round) {
+    std::vector<MessagePtr> messages = messages_of({0, 1, 40, 300}, 400);
+    for (const MessagePtr& m : messages) m->stretch->turns = messages.front()->stretch->turns;
+    std::shuffle(messages.begin(), messages.end(), random);
+    std::uint64_t next = 0;  // written by one at a time
+    work_through(messages, [&](Message& m) { EXPECT_EQ(m.index, next++); });
+    EXPECT_EQ(next, 400U);
+  }
+}
+
 }  // namespace
 }  // namespace knotreel::pipeline
