@@ -72,8 +72,7 @@ using InOrder = InOrderTo<MessagePtr>;
 using LastInOrder = InOrderTo<flow::continue_msg>;
 
 /// A stage that takes the frames of each stretch one at a time, in order, and several stretches at once, if
-/// these have turns of their own.
-/// Passes frames on in any order.
+/// these have turns of their own. Passes frames on in any order.
 class InOrderWithinStretches {
  public:
   template <class Body>
