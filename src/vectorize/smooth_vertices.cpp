@@ -35,37 +35,44 @@ class Curve {
   bool is_smooth_at(std::size_t i) const {
     const auto n = static_cast<std::ptrdiff_t>(samples_.size());
     const auto at = static_cast<std::ptrdiff_t>(i);
-    std::ptrdiff_t reach = std::min(kMostPoints, closed_ ? (n - 1) / 2 : std::min(at, n - 1 - at));
-    while (reach >= kLeastPoints && turn(at, reach) > kMostTurn) --reach;
-    if (reach < kLeastPoints) return false;
-    const double points = static_cast<double>(2 * reach + 1);
+    Reach reach{std::min(kMostPoints, closed_ ? (n - 1) / 2 : at),
+                std::min(kMostPoints, closed_ ? (n - 1) / 2 : n - 1 - at)};
+    while (std::min(reach.before, reach.behind) >= kLeastPoints && turn(at, reach) > kMostTurn)
+      --(reach.before > reach.behind ? reach.before : reach.behind);
+    if (std::min(reach.before, reach.behind) < kLeastPoints) return false;
+    const auto points = static_cast<double>(reach.before + 1 + reach.behind);
     return missed_by(at, reach, [](double x) { return x * x; }) <=
            missed_by(at, reach, [](double x) { return std::abs(x); }) + points * kNoise * kNoise;
   }
 
  private:
+  /// Points on both sides of one.
+  struct Reach {
+    std::ptrdiff_t before = 0, behind = 0;
+  };
+
   Vec2 point(std::ptrdiff_t i) const {
     const auto n = static_cast<std::ptrdiff_t>(samples_.size());
     return samples_[static_cast<std::size_t>((i + n) % n)].position;
   }
 
-  double turn(std::ptrdiff_t i, std::ptrdiff_t reach) const {
-    const Vec2 before = point(i) - point(i - reach), behind = point(i + reach) - point(i);
+  double turn(std::ptrdiff_t i, const Reach& reach) const {
+    const Vec2 before = point(i) - point(i - reach.before), behind = point(i + reach.behind) - point(i);
     return std::abs(std::atan2(cross(before, behind), dot(before, behind)));
   }
 
   /// Squared error of the best curve made of a line and a bend, over the chord.
   template <class Bend>
-  double missed_by(std::ptrdiff_t i, std::ptrdiff_t reach, const Bend& bend) const {
-    const Vec2 chord = point(i + reach) - point(i - reach);
+  double missed_by(std::ptrdiff_t i, const Reach& reach, const Bend& bend) const {
+    const Vec2 chord = point(i + reach.behind) - point(i - reach.before);
     const Vec2 along = (1 / norm(chord)) * chord;
-    Eigen::MatrixX3d terms(2 * reach + 1, 3);
-    Eigen::VectorXd heights(2 * reach + 1);
-    for (std::ptrdiff_t k = -reach; k <= reach; ++k) {
+    Eigen::MatrixX3d terms(reach.before + 1 + reach.behind, 3);
+    Eigen::VectorXd heights(terms.rows());
+    for (std::ptrdiff_t k = -reach.before; k <= reach.behind; ++k) {
       const Vec2 d = point(i + k) - point(i);
       const double x = dot(d, along);
-      terms.row(k + reach) << 1, x, bend(x);
-      heights[k + reach] = cross(along, d);
+      terms.row(k + reach.before) << 1, x, bend(x);
+      heights[k + reach.before] = cross(along, d);
     }
     const Eigen::Vector3d best = (terms.transpose() * terms).ldlt().solve(terms.transpose() * heights);
     return (terms * best - heights).squaredNorm();
