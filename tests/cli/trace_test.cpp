@@ -94,8 +94,8 @@ TEST_F(CliTrace, EventsOfOneThreadAreNestedOrApart) {
 
 TEST_F(CliTrace, PartsOfTheModelLieWithinIt) {
   const json all = traced_transcode();
-  const std::vector<std::string> stages{"decode",    "analyse",   "cold",  "model",
-                                        "documents", "rasterize", "encode"};
+  const std::vector<std::string> stages{"decode", "analyse",   "cold",      "curves",
+                                        "model",  "documents", "rasterize", "encode"};
   std::size_t parts = 0;
   for (const json& event : all) {
     if (std::count(stages.begin(), stages.end(), event["name"]) > 0) continue;
