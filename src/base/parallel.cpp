@@ -26,12 +26,12 @@ ThreadCap::~ThreadCap() {
   delete static_cast<oneapi::tbb::global_control*>(impl_);
 }
 
-namespace {
-
 std::size_t threads_allowed() {
   using Control = oneapi::tbb::global_control;
   return Control::active_value(Control::max_allowed_parallelism);
 }
+
+namespace {
 
 /// At the end of a scope, whether or not by an exception.
 struct ReleaseAtEnd {

@@ -1,6 +1,5 @@
 #include "base/workers.h"
 
-#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
@@ -16,6 +15,7 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/happens_before.h"
+#include "knotreel/base/parallel.h"
 
 namespace knotreel {
 namespace {
@@ -76,8 +76,7 @@ void ensure_workers(int threads) {
   if (needed <= ready) return;
   check_threads(needed - 1);
   // Under a lower cap none can be made, and oneTBB would say so on standard error.
-  using Control = oneapi::tbb::global_control;
-  const int allowed = static_cast<int>(Control::active_value(Control::max_allowed_parallelism));
+  const int allowed = static_cast<int>(threads_allowed());
   start(std::min(needed, allowed));
   ready = std::min(needed, allowed);
 }

@@ -118,42 +118,34 @@ Folded fold(const NormalEquations& normal, const spline::SplineSpace& space, con
   return folded;
 }
 
+/// That the sum of the terms should be what is wanted.
+void add_row(std::span<const GeometryTerm> terms, Vec2 wanted, double weight, const Unknowns& unknowns,
+             Folded& folded) {
+  for (const GeometryTerm& a : terms) {
+    const int r = unknowns.column[a.group];
+    if (r < 0) continue;
+    const double v = weight * a.factor;
+    folded.right(r, 0) += v * wanted.x;
+    folded.right(r, 1) += v * wanted.y;
+    for (const GeometryTerm& b : terms) {
+      const int c = unknowns.column[b.group];
+      if (c >= 0 && c <= r) folded.entries.emplace_back(r, c, v * b.factor);
+    }
+  }
+}
+
 void add_curves(const spline::Basis& basis, std::span<const CurvePoint> curves, double weight,
                 const Unknowns& unknowns, Folded& folded) {
   std::vector<Vec2> points;
   points.reserve(curves.size());
   for (const CurvePoint& p : curves) points.push_back(p.parameter);
   const spline::ScatteredValues values = basis.evaluate(points);
+  std::vector<GeometryTerm> terms;
   for (std::size_t i = 0; i < curves.size(); ++i) {
-    const Vec2 d = curves[i].position - curves[i].parameter;
-    for (std::size_t a = values.begin[i]; a < values.begin[i + 1]; ++a) {
-      const int r = unknowns.column[basis.space().geometry_of()[values.values[a].function]];
-      if (r < 0) continue;
-      const double v = weight * values.values[a].value;
-      folded.right(r, 0) += v * d.x;
-      folded.right(r, 1) += v * d.y;
-      for (std::size_t b = values.begin[i]; b < values.begin[i + 1]; ++b) {
-        const int c = unknowns.column[basis.space().geometry_of()[values.values[b].function]];
-        if (c >= 0 && c <= r) folded.entries.emplace_back(r, c, v * values.values[b].value);
-      }
-    }
-  }
-}
-
-void add_joints(std::span<const JointEquation> equations, double weight, const Unknowns& unknowns,
-                Folded& folded) {
-  for (const JointEquation& e : equations) {
-    for (std::size_t a = 0; a < e.groups.size(); ++a) {
-      const int r = unknowns.column[e.groups[a]];
-      if (r < 0) continue;
-      const double v = weight * e.factors[a];
-      folded.right(r, 0) += v * e.wanted.x;
-      folded.right(r, 1) += v * e.wanted.y;
-      for (std::size_t b = 0; b < e.groups.size(); ++b) {
-        const int c = unknowns.column[e.groups[b]];
-        if (c >= 0 && c <= r) folded.entries.emplace_back(r, c, v * e.factors[b]);
-      }
-    }
+    terms.clear();
+    for (std::size_t a = values.begin[i]; a < values.begin[i + 1]; ++a)
+      terms.push_back({basis.space().geometry_of()[values.values[a].function], values.values[a].value});
+    add_row(terms, curves[i].position - curves[i].parameter, weight, unknowns, folded);
   }
 }
 
@@ -172,8 +164,8 @@ std::vector<Vec2> fit_geometry(const spline::PixelValues& values, std::span<cons
   Folded folded = fold(assemble<double>(wanted, target, {}), space, unknowns);
   add_curves(values.basis(), curves, options.feature_weight, unknowns, folded);
   if (options.joint_weight > 0) {
-    add_joints(joint_equations(space, joints_of(curves)), options.joint_weight * options.feature_weight,
-               unknowns, folded);
+    for (const JointEquation& e : joint_equations(space, joints_of(curves)))
+      add_row(e.terms, e.wanted, options.joint_weight * options.feature_weight, unknowns, folded);
   }
   const auto n = static_cast<Eigen::Index>(unknowns.groups.size());
   Matrix matrix(n, n);

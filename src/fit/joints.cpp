@@ -111,8 +111,7 @@ std::optional<JointEquation> equation_of(const Joint& joint, const std::vector<V
   const double to_other = norm(sites[other] - sites[joint.group]);
   if (to_one <= 0 || to_other <= 0) return std::nullopt;
   const double share = to_other / (to_one + to_other);
-  return JointEquation{{joint.group, one, other},
-                       {1, -share, share - 1},
+  return JointEquation{{{{joint.group, 1}, {one, -share}, {other, share - 1}}},
                        share * sites[one] + (1 - share) * sites[other] - sites[joint.group]};
 }
 

@@ -10,13 +10,18 @@
 
 namespace knotreel::fit {
 
+/// A part of what is asked of displacements.
+struct GeometryTerm {
+  std::uint32_t group = 0;  ///< of geometry, as SplineSpace::geometry_of()
+  double factor = 0;
+};
+
 /// Says that a feature curve goes on without a bend where two of its segments meet: the control point of
 /// their knot lies between the next ones along both, as far from them as the Greville sites are. The sum of
 /// factors times displacements is what is wanted.
 struct JointEquation {
-  std::array<std::uint32_t, 3> groups;  ///< of geometry, as SplineSpace::geometry_of()
-  std::array<double, 3> factors;
-  Vec2 wanted;  ///< pixels
+  std::array<GeometryTerm, 3> terms;  ///< that of the knot first
+  Vec2 wanted;                        ///< pixels
 };
 
 /// Where the points say that there is a joint.

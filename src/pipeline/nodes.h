@@ -1,7 +1,6 @@
 #pragma once
 
 #include <oneapi/tbb/flow_graph.h>
-#include <oneapi/tbb/global_control.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <cstddef>
@@ -9,6 +8,7 @@
 #include <type_traits>
 
 #include "knotreel/base/happens_before.h"
+#include "knotreel/base/parallel.h"
 #include "pipeline/stretch.h"
 
 /// The kinds of nodes that the graphs are made of.
@@ -132,8 +132,7 @@ auto source(HappensBefore& turn, Next next) {
 /// @param wanted as Job::frames_in_flight.
 inline std::size_t frames_in_flight(int wanted) {
   if (wanted > 0) return static_cast<std::size_t>(wanted);
-  using oneapi::tbb::global_control;
-  return 2 * global_control::active_value(global_control::max_allowed_parallelism) + 2;
+  return 2 * threads_allowed() + 2;
 }
 
 }  // namespace knotreel::pipeline

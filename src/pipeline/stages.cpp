@@ -1,7 +1,5 @@
 #include "pipeline/stages.h"
 
-#include <oneapi/tbb/global_control.h>
-
 #include <utility>
 
 #include "knotreel/base/error.h"
@@ -20,11 +18,6 @@ namespace {
 /// all at 640x360.
 constexpr std::size_t kThreadsOfAGroup = 2;
 
-std::size_t thread_count() {
-  using oneapi::tbb::global_control;
-  return global_control::active_value(global_control::max_allowed_parallelism);
-}
-
 /// The first frame is what somebody waits for; from then on, frames come as fast as they can.
 bool is_awaited(const Message& message) {
   return message.index == 0;
@@ -40,7 +33,7 @@ Stages::Stages(const Job& job)
       beside_(job),
       document_(job.document, info_),
       groups_(job.tracking),
-      groups_at_once_(!job.tracking.warm_start || thread_count() > kThreadsOfAGroup) {
+      groups_at_once_(!job.tracking.warm_start || threads_allowed() > kThreadsOfAGroup) {
   make_split_folder(job.split_folder);
 }
 

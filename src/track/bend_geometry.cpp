@@ -153,32 +153,30 @@ class ElasticSheet {
   }
 
   void add_point(std::span<const spline::BasisValue> values, Vec2 wanted) {
-    for (const spline::BasisValue& a : values) {
-      const int r = row_of_[space_.geometry_of()[a.function]];
-      if (r < 0) continue;
-      point_right_(r, 0) += a.value * wanted.x;
-      point_right_(r, 1) += a.value * wanted.y;
-      for (const spline::BasisValue& b : values) {
-        const int c = row_of_[space_.geometry_of()[b.function]];
-        if (c >= 0 && c <= r) point_entries_.emplace_back(r, c, a.value * b.value);
-      }
-    }
+    terms_.clear();
+    for (const spline::BasisValue& v : values) terms_.push_back({space_.geometry_of()[v.function], v.value});
+    add_row(terms_, wanted, 1);
   }
 
   void add_joint(const fit::JointEquation& joint) {
     Vec2 wanted = joint.wanted;
-    for (std::size_t a = 0; a < joint.groups.size(); ++a) {
-      if (row_of_[joint.groups[a]] < 0) wanted = wanted - joint.factors[a] * before_[joint.groups[a]];
+    for (const fit::GeometryTerm& t : joint.terms) {
+      if (row_of_[t.group] < 0) wanted = wanted - t.factor * before_[t.group];
     }
-    for (std::size_t a = 0; a < joint.groups.size(); ++a) {
-      const int r = row_of_[joint.groups[a]];
+    add_row(joint.terms, wanted, kJoint);
+  }
+
+  /// That the sum of the terms should be what is wanted.
+  void add_row(std::span<const fit::GeometryTerm> terms, Vec2 wanted, double weight) {
+    for (const fit::GeometryTerm& a : terms) {
+      const int r = row_of_[a.group];
       if (r < 0) continue;
-      const double v = kJoint * joint.factors[a];
+      const double v = weight * a.factor;
       point_right_(r, 0) += v * wanted.x;
       point_right_(r, 1) += v * wanted.y;
-      for (std::size_t b = 0; b < joint.groups.size(); ++b) {
-        const int c = row_of_[joint.groups[b]];
-        if (c >= 0 && c <= r) point_entries_.emplace_back(r, c, v * joint.factors[b]);
+      for (const fit::GeometryTerm& b : terms) {
+        const int c = row_of_[b.group];
+        if (c >= 0 && c <= r) point_entries_.emplace_back(r, c, v * b.factor);
       }
     }
   }
@@ -193,6 +191,7 @@ class ElasticSheet {
   std::vector<int> ring_of_;     ///< by geometry group; 0: reaches a curve
   std::vector<int> row_of_;      ///< by geometry group; -1: keeps its displacement
   std::vector<std::uint32_t> groups_;
+  std::vector<fit::GeometryTerm> terms_;  ///< of a point
   std::vector<Eigen::Triplet<double>> point_entries_;
   Eigen::MatrixXd point_right_;
 };

@@ -2,31 +2,17 @@
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <random>
 
 #include "fit/fit_cases.h"
-#include "support/mesh_cases.h"
+#include "support/bent_feature.h"
 
 namespace knotreel::fit {
 namespace {
 
 using namespace knotreel::testing;
 
-constexpr Vec2 kLeft{10, 26}, kMiddle{29, 20}, kRight{54, 25};
-
-/// A feature of two segments that meet at an angle.
-mesh::KnotMesh bent_feature() {
-  MeshBuilder b(64, 48);
-  const auto middle = b.vertex(kMiddle.x, kMiddle.y);
-  b.segment(b.vertex(kLeft.x, kLeft.y), middle, 1);
-  b.segment(middle, b.vertex(kRight.x, kRight.y), 2);
-  for (int i = 0; i < 6; ++i) {
-    b.free(5.1 + 10.7 * i, 9.2 + 0.6 * (i % 2));
-    b.free(4.7 + 10.9 * i, 38.4 + 0.7 * (i % 2));
-  }
-  return b.triangulated();
-}
+constexpr BentFeature kFeature{{10, 26}, {29, 20}, {54, 25}};
 
 /// Points of an arc over the feature, that are not exact.
 std::vector<CurvePoint> arc(bool joint, unsigned seed) {
@@ -40,29 +26,20 @@ std::vector<CurvePoint> arc(bool joint, unsigned seed) {
       points.push_back({u, {u.x + noise(random), 20 + 6 * x * x + noise(random)}});
     }
   };
-  add(kLeft, kMiddle, 20);
-  add(kMiddle, kRight, 25);
+  add(kFeature.left, kFeature.middle, 20);
+  add(kFeature.middle, kFeature.right, 25);
   points[20].joint = joint;
   return points;
 }
 
-Vec2 drawn_at(const spline::Basis& basis, std::span<const Vec2> displacement, Vec2 u) {
-  return image_points(basis, displacement, {u}).front();
-}
-
-/// Angle between the two curves where they meet, radians.
 double bend(const spline::Basis& basis, std::span<const Vec2> displacement) {
-  constexpr double kStep = 1e-5;
-  const Vec2 at = drawn_at(basis, displacement, kMiddle);
-  const Vec2 before = at - drawn_at(basis, displacement, kMiddle + kStep * (kLeft - kMiddle));
-  const Vec2 behind = drawn_at(basis, displacement, kMiddle + kStep * (kRight - kMiddle)) - at;
-  return std::abs(std::atan2(cross(before, behind), dot(before, behind)));
+  return kFeature.bend([&](Vec2 u) { return image_points(basis, displacement, {u}).front(); });
 }
 
 class Joints : public ::testing::TestWithParam<int> {};
 
 TEST_P(Joints, AreWhereCurvesGoOnWithoutABend) {
-  const spline::Basis basis(make_space(bent_feature(), GetParam()));
+  const spline::Basis basis(make_space(kFeature.mesh(), GetParam()));
   const std::vector<Vec2> places = scattered_places(64, 48, 0.2, 3);
   const spline::PixelValues values(basis, 64, 48, places);
   const auto mean_bend = [&](bool joint, double weight) {
@@ -90,13 +67,14 @@ TEST_P(Joints, HoldWhereACurveIsSmooth) {
   const std::vector<JointEquation> equations = joint_equations(*space, std::vector{Vec2{29.3, 24.2}});
   ASSERT_EQ(equations.size(), 1u);
   EXPECT_LT(norm(equations[0].wanted), 1e-12);
-  EXPECT_NEAR(equations[0].factors[0] + equations[0].factors[1] + equations[0].factors[2], 0, 1e-12);
-  EXPECT_LT(norm(space->geometry_greville()[equations[0].groups[0]] - Vec2{29, 24}), 1e-12);
+  EXPECT_NEAR(equations[0].terms[0].factor + equations[0].terms[1].factor + equations[0].terms[2].factor, 0,
+              1e-12);
+  EXPECT_LT(norm(space->geometry_greville()[equations[0].terms[0].group] - Vec2{29, 24}), 1e-12);
 }
 
 TEST_P(Joints, AreNowhereElse) {
-  const auto space = make_space(bent_feature(), GetParam());
-  for (const Vec2 p : {kMiddle + Vec2{0.4, -0.4}, kLeft, kRight, Vec2{40, 40}}) {
+  const auto space = make_space(kFeature.mesh(), GetParam());
+  for (const Vec2 p : {kFeature.middle + Vec2{0.4, -0.4}, kFeature.left, kFeature.right, Vec2{40, 40}}) {
     EXPECT_TRUE(joint_equations(*space, std::vector{p}).empty()) << p.x << " " << p.y;
   }
 }
@@ -104,7 +82,7 @@ TEST_P(Joints, AreNowhereElse) {
 INSTANTIATE_TEST_SUITE_P(Degrees, Joints, ::testing::Values(2, 3));
 
 TEST(Joint, IsNoneForDegreeOne) {
-  EXPECT_TRUE(joint_equations(*make_space(bent_feature(), 1), std::vector{kMiddle}).empty());
+  EXPECT_TRUE(joint_equations(*make_space(kFeature.mesh(), 1), std::vector{kFeature.middle}).empty());
 }
 
 TEST(Joint, IsNoneWhereThreeSegmentsMeet) {

@@ -7,7 +7,7 @@
 #include <numbers>
 #include <numeric>
 
-#include "support/mesh_cases.h"
+#include "support/bent_feature.h"
 #include "track/carried_geometry.h"
 
 namespace knotreel::track {
@@ -50,18 +50,9 @@ TEST(BendGeometry, CurvesComeToTheirPointsWithoutFolds) {
   }
 }
 
-/// A feature of two segments that meet at an angle, and points of a smooth curve over it.
 TEST(BendGeometry, JointsBendLess) {
-  testing::MeshBuilder b(64, 48);
-  const Vec2 left{12, 26}, middle{30, 22}, right{52, 26};
-  const auto knot = b.vertex(middle.x, middle.y);
-  b.segment(b.vertex(left.x, left.y), knot, 1);
-  b.segment(knot, b.vertex(right.x, right.y), 1);
-  for (int i = 0; i < 6; ++i) {
-    b.free(5.1 + 10.7 * i, 10.2 + 0.6 * (i % 2));
-    b.free(4.7 + 10.9 * i, 38.4 + 0.7 * (i % 2));
-  }
-  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(b.triangulated(), 2));
+  const testing::BentFeature feature{{12, 26}, {30, 22}, {52, 26}};
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(feature.mesh(), 2));
   const auto bend = [&](bool joint) {
     std::vector<fit::CurvePoint> points;
     const auto add = [&](Vec2 from, Vec2 to) {
@@ -70,15 +61,12 @@ TEST(BendGeometry, JointsBendLess) {
         points.push_back({u, {u.x, 22 + 0.01 * (u.x - 32) * (u.x - 32)}});
       }
     };
-    add(left, middle);
-    add(middle, right);
+    add(feature.left, feature.middle);
+    add(feature.middle, feature.right);
     points[20].joint = joint;
     std::vector<Vec2> displacement(basis.space().geometry_count());
     bend_geometry(basis, points, displacement);
-    const auto at = [&](Vec2 u) { return fit::image_points(basis, displacement, {u}).front(); };
-    const Vec2 before = at(middle) - at(middle + 1e-5 * (left - middle));
-    const Vec2 behind = at(middle + 1e-5 * (right - middle)) - at(middle);
-    return std::abs(std::atan2(cross(before, behind), dot(before, behind)));
+    return feature.bend([&](Vec2 u) { return fit::image_points(basis, displacement, {u}).front(); });
   };
   EXPECT_GT(bend(false), 0.01);
   EXPECT_LT(bend(true), 0.85 * bend(false));

@@ -21,6 +21,9 @@ class ThreadCap {
   void* impl_;
 };
 
+/// As many as the caps allow now. For how much to have in work at once, not for what comes of it.
+std::size_t threads_allowed();
+
 /// Calls body(i) for every i in [0, count), in any order, on the threads allowed. The body must only write
 /// what belongs to its own i, so that the result cannot depend on the number of threads. Exceptions from a
 /// body cancel the loop and are rethrown here.
