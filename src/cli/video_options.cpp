@@ -1,17 +1,35 @@
 #include "cli/video_options.h"
 
+#include <map>
+
 #include "cli/command.h"
 #include "cli/parse.h"
 
 namespace knotreel::cli {
+namespace {
+
+void add_pairs_option(CLI::App& command, const char* name, std::vector<std::string>& pairs,
+                      const char* description) {
+  command.add_option(name, pairs, description)->type_name("KEY=VALUE")->allow_extra_args(false);
+}
+
+std::map<std::string, std::string> parse_pairs(const char* option, const std::vector<std::string>& pairs) {
+  std::map<std::string, std::string> result;
+  for (const std::string& pair : pairs) {
+    const std::size_t sign = pair.find('=');
+    if (sign == std::string::npos || sign == 0) refuse(option, pair, "KEY=VALUE");
+    result[pair.substr(0, sign)] = pair.substr(sign + 1);
+  }
+  return result;
+}
+
+}  // namespace
+
 void add_video_input_options(CLI::App& command, VideoInputOptions& options) {
   command.add_option("--input-format", options.format, "Format of the video, if its content does not say it")
       ->type_name("NAME");
-  command
-      .add_option("--input-option", options.demuxer,
-                  "For the reader of that format, such as video_size=640x480")
-      ->type_name("KEY=VALUE")
-      ->allow_extra_args(false);
+  add_pairs_option(command, "--input-option", options.demuxer,
+                   "For the reader of that format, such as video_size=640x480");
   command.add_option("--image-rate", options.image_rate, "Frames per second of a folder of pictures")
       ->type_name("R")
       ->capture_default_str();
@@ -61,6 +79,10 @@ void add_video_output_options(CLI::App& command, VideoOutputOptions& options) {
       .add_option("--pixel-format", options.pixel_format,
                   "A name of libav, such as yuv420p; without, the source's or the nearest\nto it")
       ->type_name("NAME");
+  add_pairs_option(command, "--encoder-option", options.encoder,
+                   "For the encoder, by libav's names, such as b=2M, g=50 or tune=animation");
+  add_pairs_option(command, "--container-option", options.container,
+                   "For the container, by libav's names, such as movflags=+faststart");
 }
 
 void add_progress_option(CLI::App& command, std::string& file) {
@@ -114,11 +136,7 @@ video::ReadOptions read_options(const VideoInputOptions& given, int threads) {
   options.deinterlace = deinterlace_mode(given.deinterlace);
   options.filter = given.filter;
   options.part = part_of(given.part);
-  for (const std::string& pair : given.demuxer) {
-    const std::size_t sign = pair.find('=');
-    if (sign == std::string::npos || sign == 0) refuse("--input-option", pair, "KEY=VALUE");
-    options.demuxer_options[pair.substr(0, sign)] = pair.substr(sign + 1);
-  }
+  options.demuxer_options = parse_pairs("--input-option", given.demuxer);
   return options;
 }
 
@@ -129,6 +147,8 @@ video::WriteOptions write_options(const VideoOutputOptions& given, const std::st
   options.crf = given.crf;
   options.preset = given.preset;
   options.pixel_format = given.pixel_format;
+  options.encoder_options = parse_pairs("--encoder-option", given.encoder);
+  options.container_options = parse_pairs("--container-option", given.container);
   options.container = container;
   options.threads = threads;
   return options;

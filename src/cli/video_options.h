@@ -34,6 +34,8 @@ struct VideoOutputOptions {
   double crf = -1;
   std::string preset;
   std::string pixel_format;
+  std::vector<std::string> encoder;    ///< "key=value"
+  std::vector<std::string> container;  ///< "key=value"
 };
 
 /// Adds them to a command; `options` must live until it has been parsed.
@@ -51,7 +53,7 @@ void add_tracking_options(CLI::App& command, track::TrackOptions& options, bool&
 /// @throws Error{kInvalidArgument} for a rate that is none, or an option without "=".
 video::ReadOptions read_options(const VideoInputOptions& given, int threads);
 
-/// @param container as video::WriteOptions.
+/// @param container as video::WriteOptions. @throws Error{kInvalidArgument} for an option without "=".
 video::WriteOptions write_options(const VideoOutputOptions& given, const std::string& container, int threads);
 
 /// As docs/stats.md tells.

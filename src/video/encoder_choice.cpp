@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <map>
+#include <span>
+#include <sstream>
 #include <vector>
 
 #include "colour_rules.h"
@@ -190,7 +193,38 @@ std::string number_text(double value) {
   return {text.data(), end};
 }
 
-/// x264 prints before it refuses a preset, so it is not asked.
+/// @param crf  below 0: the default.
+void set_constant_quality(AVCodecContext& encoder, Options& dictionary, double crf) {
+  const std::string name = encoder.codec->name;
+  for (const Known& known : kKnown) {
+    if (name == known.encoder && crf < 0) crf = known.crf;
+  }
+  if (name == "libtheora") {
+    set_scale(encoder, kMostTheoraQuality - (crf < 0 ? kScale : crf));
+  } else if (is_scaled(name)) {
+    set_scale(encoder, crf < 0 ? kScale : crf);
+  } else if (crf >= 0) {
+    dictionary.set("crf", number_text(crf));
+  }
+  // Constant quality, not a rate, is what these two do only at a rate of zero.
+  if (name == "libvpx-vp9" || name == "libaom-av1") encoder.bit_rate = 0;
+  if (name == "libvpx") encoder.bit_rate = 100'000'000;
+}
+
+/// Whether the user asks for bits per second or a quantiser.
+bool has_rate(const WriteOptions& options) {
+  return options.encoder_options.contains("b") || options.encoder_options.contains("qp");
+}
+
+/// x264 prints before it refuses such a name, so it is not asked.
+/// @throws Error{kInvalidArgument} naming what there is.
+void require_known(const std::string& what, const std::string& name, std::span<const char* const> known) {
+  if (std::find(known.begin(), known.end(), name) != known.end()) return;
+  std::string all;
+  for (const char* k : known) all += (all.empty() ? "" : ", ") + std::string(k);
+  throw Error(ErrorKind::kInvalidArgument, "no " + what + " is called '" + name + "'; there are " + all);
+}
+
 void set_named_preset(const AVCodec& encoder, Options& dictionary, const std::string& preset) {
   static constexpr std::array kPresets = {"ultrafast", "superfast", "veryfast", "faster",   "fast",
                                           "medium",    "slow",      "slower",   "veryslow", "placebo"};
@@ -198,11 +232,7 @@ void set_named_preset(const AVCodec& encoder, Options& dictionary, const std::st
   if (name != "libx264" && name != "libx265") {
     throw Error(ErrorKind::kInvalidArgument, "encoder '" + name + "' has no presets");
   }
-  if (std::find(kPresets.begin(), kPresets.end(), preset) == kPresets.end()) {
-    std::string all;
-    for (const char* known : kPresets) all += (all.empty() ? "" : ", ") + std::string(known);
-    throw Error(ErrorKind::kInvalidArgument, "no preset is called '" + preset + "'; there are " + all);
-  }
+  require_known("preset", preset, kPresets);
   dictionary.set("preset", preset);
 }
 
@@ -211,6 +241,34 @@ void set_named_preset(const AVCodec& encoder, Options& dictionary, const std::st
 void keep_repeatable(Options& dictionary) {
   if ((av_get_cpu_flags() & AV_CPU_FLAG_AVX512) == 0) return;
   dictionary.set("x264-params", "asm=sse2fast,lzcnt,avx2,bmi2,fma3");
+}
+
+/// @throws Error{kInvalidArgument} for a tuning or profile that x264 does not have.
+void check_x264_names(const std::map<std::string, std::string>& options) {
+  static constexpr std::array kTunes = {"film", "animation", "grain",      "stillimage",
+                                        "psnr", "ssim",      "fastdecode", "zerolatency"};
+  static constexpr std::array kProfiles = {"baseline", "main", "high", "high10", "high422", "high444"};
+  if (const auto tune = options.find("tune"); tune != options.end()) {
+    std::istringstream names(tune->second);  // some go together
+    for (std::string name; std::getline(names, name, ',');) require_known("tune", name, kTunes);
+  }
+  if (const auto profile = options.find("profile"); profile != options.end())
+    require_known("profile", profile->second, kProfiles);
+}
+
+/// What the user says, over what has been chosen; lists of an encoder's own options go on with the user's.
+void set_options(const AVCodec& encoder, Options& dictionary,
+                 const std::map<std::string, std::string>& options) {
+  if (std::string(encoder.name) == "libx264") check_x264_names(options);
+  for (const auto& [key, value] : options) {
+    if (key == "preset") {
+      set_named_preset(encoder, dictionary, value);
+      continue;
+    }
+    const bool is_list = key == "x264-params" || key == "x265-params";
+    const std::string before = is_list ? dictionary.value(key) : std::string();
+    dictionary.set(key, before.empty() ? value : before + ":" + value);
+  }
 }
 
 }  // namespace
@@ -243,20 +301,7 @@ AVPixelFormat choose_pixel_format(const AVCodec& encoder, const StreamInfo& fram
 void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOptions& options) {
   const std::string name = encoder.codec->name;
   encoder.thread_count = options.threads;
-  double crf = options.crf;
-  for (const Known& known : kKnown) {
-    if (name == known.encoder && crf < 0) crf = known.crf;
-  }
-  if (name == "libtheora") {
-    set_scale(encoder, kMostTheoraQuality - (crf < 0 ? kScale : crf));
-  } else if (is_scaled(name)) {
-    set_scale(encoder, crf < 0 ? kScale : crf);
-  } else if (crf >= 0) {
-    dictionary.set("crf", number_text(crf));
-  }
-  // Constant quality, not a rate, is what these two do only at a rate of zero.
-  if (name == "libvpx-vp9" || name == "libaom-av1") encoder.bit_rate = 0;
-  if (name == "libvpx") encoder.bit_rate = 100'000'000;
+  if (options.crf >= 0 || !has_rate(options)) set_constant_quality(encoder, dictionary, options.crf);
   const bool aom = name == "libaom-av1", vpx = name == "libvpx-vp9" || name == "libvpx";
   if (aom) dictionary.set("cpu-used", options.preset.empty() ? "6" : options.preset);
   if (vpx) dictionary.set("cpu-used", options.preset.empty() ? "2" : options.preset);
@@ -276,6 +321,7 @@ void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOption
       dictionary.set("coder", "1");
     }
   }
+  set_options(*encoder.codec, dictionary, options.encoder_options);
 }
 
 }  // namespace knotreel::video

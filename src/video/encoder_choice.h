@@ -19,7 +19,8 @@ const AVCodec* choose_encoder(const std::string& codec, const AVOutputFormat& co
 AVPixelFormat choose_pixel_format(const AVCodec& encoder, const StreamInfo& frames,
                                   const std::string& wanted);
 
-/// Quality, preset and threads in the encoder's own words.
+/// Quality, preset, threads and the user's options in the encoder's own words.
+/// @throws Error{kInvalidArgument} for a preset that the encoder does not have.
 void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOptions& options);
 
 }  // namespace knotreel::video

@@ -4,6 +4,7 @@ extern "C" {
 
 #include <algorithm>
 #include <cstring>
+#include <map>
 
 #include "colour_rules.h"
 #include "copied_streams.h"
@@ -55,15 +56,17 @@ class FileSink : public Sink {
         unit_(to_av(frames.time_base)),
         container_(choose_container(output, options.container)),
         encoder_(frames, options, container_),
-        io_(output) {
-    if (!encoder_.takes_crf())
-      warnings.add(std::string("encoder '") + encoder_.context().codec->name +
-                   "' has no crf: it is not used");
+        io_(output),
+        container_options_(options.container_options) {
+    const std::string encoder = std::string("encoder '") + encoder_.context().codec->name + "'";
+    if (!encoder_.takes_crf()) warnings.add(encoder + " has no crf: it is not used");
+    if (!encoder_.complaint().empty()) warnings.add(encoder + ": " + encoder_.complaint());
     if (options.pixel_format.empty()) warn_of_losses(frames);
     AVFormatContext* made = nullptr;
     if (avformat_alloc_output_context2(&made, &container_, nullptr, nullptr) < 0) throw std::bad_alloc();
     muxer_.reset(made);
     muxer_->pb = io_.context();
+    muxer_->url = allocated(av_strdup(io_.url().c_str()));  // some read again what they have written
     muxer_->strict_std_compliance = FF_COMPLIANCE_UNOFFICIAL;
     make_video_stream(frames);
     if (copied != nullptr) copy_from(*copied->state().source);
@@ -189,12 +192,23 @@ class FileSink : public Sink {
       options.set("movie_timescale", ticks);
       if (!io_.seekable()) options.set("movflags", "frag_keyframe+delay_moov+default_base_moof");
     }
+    for (const auto& [key, value] : container_options_) {
+      const bool adds = key == "movflags" && value.starts_with('+');
+      options.set(key, adds ? options.value(key) + value : value);
+    }
+    const ErrorListener listener;
     const int result = avformat_write_header(muxer_.get(), options.get());
     io_.rethrow();
     if (result < 0) {
+      const std::string& told = listener.first();
       throw Error(ErrorKind::kInvalidArgument, std::string("container '") + container_.name +
                                                    "' does not take " + avcodec_get_name(codec) +
-                                                   " video: " + error_text(result));
+                                                   " video: " + (told.empty() ? error_text(result) : told));
+    }
+    for (const auto& [key, value] : container_options_) {
+      if (!options.contains(key)) continue;
+      throw Error(ErrorKind::kInvalidArgument,
+                  std::string("container '") + container_.name + "' has no option '" + key + "'");
     }
   }
 
@@ -203,6 +217,7 @@ class FileSink : public Sink {
   const AVOutputFormat& container_;
   VideoEncoder encoder_;
   OutputIo io_;
+  std::map<std::string, std::string> container_options_;
   std::unique_ptr<AVFormatContext, Deleter> muxer_;
   CopiedStreams copied_;
   PacketPtr last_packet_;  // of QuickTime, in the order of decoding; with times of the muxer, like these:

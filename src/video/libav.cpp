@@ -10,6 +10,11 @@
 
 namespace knotreel::video {
 
+std::string Options::value(const std::string& key) const {
+  const AVDictionaryEntry* entry = find(key);
+  return entry == nullptr ? std::string() : entry->value;
+}
+
 std::string Options::unused() const {
   const AVDictionaryEntry* entry = av_dict_get(dictionary_, "", nullptr, AV_DICT_IGNORE_SUFFIX);
   return entry == nullptr ? std::string() : entry->key;
@@ -17,35 +22,35 @@ std::string Options::unused() const {
 
 namespace {
 
-thread_local std::string* first_error = nullptr;  ///< of the innermost ErrorListener
-
-void keep_first_error(const char* format, va_list arguments) {
-  if (first_error == nullptr || !first_error->empty()) return;
-  std::array<char, 400> text{};
-  std::vsnprintf(text.data(), text.size(), format, arguments);
-  *first_error = text.data();
-  while (!first_error->empty() && std::isspace(static_cast<unsigned char>(first_error->back())) != 0)
-    first_error->pop_back();
-}
+thread_local ErrorListener* listener = nullptr;  ///< the innermost one
 
 void count_complaint(void* context) {
   if (context == nullptr) return;
   if (*static_cast<const AVClass* const*>(context) != avcodec_get_class()) return;
-  void* listener = static_cast<const AVCodecContext*>(context)->opaque;
-  if (listener != nullptr) ++*static_cast<Complaints*>(listener);
+  void* complaints = static_cast<const AVCodecContext*>(context)->opaque;
+  if (complaints != nullptr) ++*static_cast<Complaints*>(complaints);
 }
 
 void hear(void* context, int level, const char* format, va_list arguments) {
-  if (level > AV_LOG_ERROR) return;
-  count_complaint(context);
-  keep_first_error(format, arguments);
+  if (level <= AV_LOG_ERROR) count_complaint(context);
+  if (listener != nullptr) listener->hear(level, format, arguments);
 }
 
 }  // namespace
 
-ErrorListener::ErrorListener() : before_(std::exchange(first_error, &first_)) {}
+ErrorListener::ErrorListener() : before_(std::exchange(listener, this)) {}
 ErrorListener::~ErrorListener() {
-  first_error = before_;
+  listener = before_;
+}
+
+void ErrorListener::hear(int level, const char* format, va_list arguments) {
+  if (level > AV_LOG_WARNING) return;
+  std::string& first = level <= AV_LOG_ERROR ? first_ : first_warning_;
+  if (!first.empty()) return;
+  std::array<char, 400> text{};
+  std::vsnprintf(text.data(), text.size(), format, arguments);
+  first = text.data();
+  while (!first.empty() && std::isspace(static_cast<unsigned char>(first.back())) != 0) first.pop_back();
 }
 
 void silence_libav() {

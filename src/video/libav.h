@@ -11,6 +11,7 @@ extern "C" {
 }
 
 #include <atomic>
+#include <cstdarg>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -57,10 +58,17 @@ class Options {
   }
   /// For libav, which takes out what it has used.
   AVDictionary** get() { return &dictionary_; }
+  bool contains(const std::string& key) const { return find(key) != nullptr; }
+  /// What is set; empty if nothing is.
+  std::string value(const std::string& key) const;
   /// Name of an option that nobody has used; empty if there is none.
   std::string unused() const;
 
  private:
+  const AVDictionaryEntry* find(const std::string& key) const {
+    return av_dict_get(dictionary_, key.c_str(), nullptr, AV_DICT_MATCH_CASE);
+  }
+
   AVDictionary* dictionary_ = nullptr;
 };
 
@@ -70,7 +78,8 @@ void silence_libav();
 /// How many errors a codec has told of in libav's log, if its `opaque` points here. From any thread.
 using Complaints = std::atomic<std::uint64_t>;
 
-/// Keeps the first error that libav tells of in its log, in this thread, while it lives.
+/// Keeps the first error and the first warning that libav tells of in its log, in this thread, while it
+/// lives.
 class ErrorListener {
  public:
   ErrorListener();
@@ -80,10 +89,14 @@ class ErrorListener {
 
   /// Empty if there was none.
   const std::string& first() const { return first_; }
+  const std::string& first_warning() const { return first_warning_; }
+
+  /// A message of libav's; those that tell of no fault are passed over.
+  void hear(int level, const char* format, va_list arguments);
 
  private:
-  std::string first_;
-  std::string* before_;
+  std::string first_, first_warning_;
+  ErrorListener* before_;
 };
 
 /// What a negative result of libav means, in words.

@@ -22,6 +22,8 @@ class OutputIo {
   AVIOContext* context() const { return context_; }
   bool seekable() const { return file_.seekable(); }
   const std::string& name() const { return file_.name(); }
+  /// Where libav finds what has been written so far; empty if nowhere.
+  std::string url() const { return seekable() ? "file:" + file_.place().string() : std::string(); }
 
   /// Throws what the file has thrown while libav was writing, if anything.
   void rethrow() const;

@@ -70,12 +70,22 @@ AVRational nearest_rate(const AVCodec& codec, AVRational rate) {
 }
 
 /// @param info of the frames: a failure takes a size away that libav does not allow.
+/// @param told what libav's log says of it, if anything.
 Error refused(const AVCodecContext& encoder, const StreamInfo& info, const std::string& name,
-              const WriteOptions& options, int code) {
+              const WriteOptions& options, int code, const std::string& told) {
   std::string what = "encoder '" + name + "' refuses " + std::to_string(info.width) + "x" +
                      std::to_string(info.height) + " " + av_get_pix_fmt_name(encoder.pix_fmt);
   if (!options.preset.empty()) what += ", preset '" + options.preset + "'";
-  return Error(ErrorKind::kInvalidArgument, what + ": " + error_text(code));
+  for (const auto& [key, value] : options.encoder_options) what += ", " + key + "=" + value;
+  return Error(ErrorKind::kInvalidArgument, what + ": " + (told.empty() ? error_text(code) : told));
+}
+
+/// @throws Error{kInvalidArgument} for a user's option that the encoder has left.
+void check_options(const Options& left, const std::string& encoder, const WriteOptions& options) {
+  for (const auto& [key, value] : options.encoder_options) {
+    if (!left.contains(key)) continue;
+    throw Error(ErrorKind::kInvalidArgument, "encoder '" + encoder + "' has no option '" + key + "'");
+  }
 }
 
 }  // namespace
@@ -125,9 +135,12 @@ void VideoEncoder::open(const WriteOptions& options) {
   set_quality(*encoder_, dictionary, options);
   const std::string name = encoder_->codec->name;  // a failure takes the codec away
   if (name == "hap" && info_.channels % 2 == 0) dictionary.set("format", "hap_alpha");
+  const ErrorListener listener;
   const int result = avcodec_open2(encoder_.get(), encoder_->codec, dictionary.get());
-  if (result < 0) throw refused(*encoder_, info_, name, options, result);
-  takes_crf_ = dictionary.unused() != "crf";
+  if (result < 0) throw refused(*encoder_, info_, name, options, result, listener.first());
+  check_options(dictionary, name, options);
+  if (!options.encoder_options.empty()) complaint_ = listener.first_warning();
+  takes_crf_ = !dictionary.contains("crf");
 }
 
 void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64_t duration,

@@ -28,6 +28,8 @@ class VideoEncoder {
   AVRational time_base() const { return encoder_->time_base; }
   /// Whether WriteOptions::crf has been of use, if it was given.
   bool takes_crf() const { return takes_crf_; }
+  /// What the encoder has to say of WriteOptions::encoder_options; empty if nothing.
+  const std::string& complaint() const { return complaint_; }
 
  private:
   void set_colours();
@@ -48,6 +50,7 @@ class VideoEncoder {
   FramePtr last_;             // as it was sent
   std::int64_t cut_out_ = 0;  // ticks of gaps that are too long
   bool takes_crf_ = true;
+  std::string complaint_;
 };
 
 }  // namespace knotreel::video

@@ -48,7 +48,8 @@ std::unique_ptr<Sink> make_sink(const std::string& output, const StreamInfo& fra
 
 bool asks_for_encoding(const WriteOptions& options) {
   return !options.codec.empty() || options.crf >= 0 || !options.preset.empty() ||
-         !options.pixel_format.empty();
+         !options.pixel_format.empty() || !options.encoder_options.empty() ||
+         !options.container_options.empty();
 }
 
 }  // namespace
@@ -63,7 +64,8 @@ VideoWriter VideoWriter::create(const std::string& output, const StreamInfo& fra
   sink->turn = turn;
   if (sink->codec().empty() && asks_for_encoding(options)) {
     sink->warnings.add(
-        "codec, quality, preset and pixel format are not used: this output is no encoded video");
+        "codec, quality, preset, pixel format and options of encoder and container are not used: this output "
+        "is no encoded video");
   }
   return VideoWriter(std::move(sink));
 }

@@ -161,28 +161,39 @@ TEST(Outputs, OnePictureHoldsOneFrame) {
   EXPECT_EQ(read_text(dir / "b.png"), "old");
 }
 
-TEST(Outputs, PipesGetStreamsThatNeedNoSeeking) {
+/// What comes out of a pipe that a clip is written to.
+WholeClip through_pipe(const ClipSpec& clip, const WriteOptions& options) {
+  int ends[2];
+  if (::pipe(ends) != 0) return {};
+  std::string bytes;
+  std::thread reader([&] {
+    char buffer[4096];
+    ssize_t n;
+    while ((n = ::read(ends[0], buffer, sizeof buffer)) > 0) bytes.append(buffer, std::size_t(n));
+  });
+  write_clip("/dev/fd/" + std::to_string(ends[1]), clip, options);
+  ::close(ends[1]);
+  reader.join();
+  ::close(ends[0]);
   const TempDir dir;
+  write_text(dir / "a", bytes);
+  return read_clip(dir / "a");
+}
+
+TEST(Outputs, PipesGetStreamsThatNeedNoSeeking) {
   for (const char* container : {"mp4", "matroska", "yuv4mpegpipe", "nut"}) {
-    int ends[2];
-    ASSERT_EQ(::pipe(ends), 0);
-    std::string bytes;
-    std::thread reader([&] {
-      char buffer[4096];
-      ssize_t n;
-      while ((n = ::read(ends[0], buffer, sizeof buffer)) > 0) bytes.append(buffer, std::size_t(n));
-    });
-    write_clip("/dev/fd/" + std::to_string(ends[1]), moving_pattern(64, 48, 3, 30), into(container));
-    ::close(ends[1]);
-    reader.join();
-    ::close(ends[0]);
-    write_text(dir / "a", bytes);
-    const WholeClip back = read_clip(dir / "a");
+    const WholeClip back = through_pipe(moving_pattern(64, 48, 3, 30), into(container));
     EXPECT_EQ(back.frames.size(), 30u) << container;
     const bool shifts =
         std::string(container) == "nut";  // by the delay of B-frames, as it cannot start below 0
     EXPECT_TRUE(shifts || back.frames.at(0).pts == 0) << container;
   }
+}
+
+TEST(Outputs, IndicesOfPipesCannotGoFirst) {
+  WriteOptions options = into("mp4");
+  options.container_options = {{"movflags", "+faststart"}};
+  EXPECT_EQ(through_pipe(moving_pattern(64, 48, 3, 30), options).frames.size(), 30u);
 }
 
 struct Quality {

@@ -47,6 +47,9 @@ class OutputFile {
   /// Flushes, closes and renames. Nothing may be written afterwards.
   void commit();
 
+  /// Where the bytes are until commit(); of effect for what has been flushed.
+  const std::filesystem::path& place() const { return part_.empty() ? target_ : part_; }
+
   /// For messages: the path as given, in quotes, or "standard output".
   const std::string& name() const { return name_; }
 

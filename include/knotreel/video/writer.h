@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <map>
 #include <memory>
 #include <string>
 #include <vector>
@@ -21,6 +22,10 @@ struct WriteOptions {
   std::string container;  ///< libav's name, or "null" or "hash"; empty: by the extension, `-`: matroska
   int threads = 0;  ///< for encoding, 0: all cores. x264's bytes depend on it, the pictures' quality not
   std::string pixel_format;  ///< libav's name; empty: nearest to the source's
+  /// By libav's names, over all that is chosen here; a rate ("b") in place of the default crf. Those of
+  /// x264-params and x265-params are added to what is given here.
+  std::map<std::string, std::string> encoder_options;
+  std::map<std::string, std::string> container_options;  ///< by libav's names, such as movflags
 };
 
 /// Writes a video. One thread at a time.
@@ -34,7 +39,7 @@ class VideoWriter {
  public:
   /// @param frames  what the frames are: size, channels, depth, pixel format, time base, rate, tags.
   /// @param copied  the reader whose other streams are to be copied; only needed during this call.
-  /// @throws Error{kInvalidArgument} for a codec, container, pixel format or size that cannot be,
+  /// @throws Error{kInvalidArgument} for a codec, container, pixel format, option or size that cannot be,
   /// Error{kOutput} if the file cannot be written.
   static VideoWriter create(const std::string& output, const StreamInfo& frames,
                             const WriteOptions& options = {}, const VideoReader* copied = nullptr);

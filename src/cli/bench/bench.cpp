@@ -60,6 +60,8 @@ std::vector<std::string> encoding_words(const VideoOutputOptions& options) {
   if (options.crf >= 0) add("--crf", fmt::format("{}", options.crf));
   add("--encoder-preset", options.preset);
   add("--pixel-format", options.pixel_format);
+  for (const std::string& pair : options.encoder) add("--encoder-option", pair);
+  for (const std::string& pair : options.container) add("--container-option", pair);
   return words;
 }
 
