@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cstring>
+#include <optional>
 #include <vector>
 
 #include "base/multiversion.h"
 #include "colour_rules.h"
+#include "dither.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/image/background.h"
 #include "palette.h"
@@ -234,12 +236,32 @@ image::Image on_black(const image::Image& image) {
   return image::on_background(image, image::Background{{0, 0, 0}});
 }
 
-void put_in_palette(const image::Image& image, AVFrame& frame) {
-  const PalettePicture picture = in_palette(image);
-  const auto width = std::size_t(image.width);
-  for (std::size_t y = 0; y < std::size_t(image.height); ++y)
-    std::copy_n(&picture.indices[y * width], width, frame.data[0] + std::ptrdiff_t(y) * frame.linesize[0]);
-  std::memcpy(frame.data[1], picture.colours.data(), sizeof picture.colours);
+Palette palette_of(const AVFrame& frame) {
+  Palette palette;
+  std::memcpy(palette.colours.data(), frame.data[1], sizeof palette.colours);
+  palette.first = palette.colours[0] == 0 ? 1 : 0;
+  const auto begin = palette.colours.begin() + std::ptrdiff_t(palette.first);
+  palette.count = std::size_t(std::find(begin, palette.colours.end(), 0U) - begin);
+  return palette;
+}
+
+/// @param before  in a palette, too; or null.
+void put_in_palette(const image::Image& image, const AVFrame* before, AVFrame& frame) {
+  const auto width = std::size_t(image.width), height = std::size_t(image.height);
+  std::optional<Palette> last;
+  if (before != nullptr) last = palette_of(*before);
+  const Palette palette = choose_palette(image, last ? &*last : nullptr);
+  std::vector<std::uint8_t> indices_before;
+  if (last && last->colours == palette.colours) {
+    for (std::size_t y = 0; y < height; ++y) {
+      const std::uint8_t* const row = before->data[0] + std::ptrdiff_t(y) * before->linesize[0];
+      indices_before.insert(indices_before.end(), row, row + width);
+    }
+  }
+  const std::vector<std::uint8_t> indices = dithered(image, palette, indices_before);
+  for (std::size_t y = 0; y < height; ++y)
+    std::copy_n(&indices[y * width], width, frame.data[0] + std::ptrdiff_t(y) * frame.linesize[0]);
+  std::memcpy(frame.data[1], palette.colours.data(), sizeof palette.colours);
 }
 
 /// Components are put by "or" into what is there, and paddings should not tell of old memory.
@@ -264,7 +286,7 @@ FramePtr packed_frame(const image::Image& image, AVPixelFormat format, const Col
   if (av_frame_get_buffer(frame.get(), 0) < 0) throw std::bad_alloc();
   clear(*frame);
   if (format == AV_PIX_FMT_PAL8) {
-    put_in_palette(image, *frame);
+    put_in_palette(image, before, *frame);
     return frame;
   }
   const bool full = without_range(format) != format || full_range(colour.range, description);

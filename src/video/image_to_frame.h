@@ -6,9 +6,10 @@
 
 namespace knotreel::video {
 
-/// An Image in a pixel format of libav, rounded to nearest without dither: what came exactly from RGB or grey
-/// goes back exactly. Chroma is the mean of its pixels, about the place that the tags tell. Colours without a
-/// place in the format are lost: grey formats take luma, in formats without alpha, pictures are on black.
+/// An Image in a pixel format of libav, rounded to nearest without dither (but in palettes): what came
+/// exactly from RGB or grey goes back exactly. Chroma is the mean of its pixels, about the place that the
+/// tags tell. Colours without a place in the format are lost: grey formats take luma, in formats without
+/// alpha, pictures are on black.
 /// @param coded_height  decides on an unknown matrix.
 /// @param before  the frame before, in the same format and size, for rounding that does not flicker: samples
 ///   that were near enough to what they should be now stay as they were (decision 41). What is exact stays

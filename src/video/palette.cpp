@@ -1,49 +1,46 @@
 #include "palette.h"
 
 #include <algorithm>
+#include <array>
+#include <vector>
+
+#include "colour_cells.h"
+#include "knotreel/base/parallel.h"
+#include "palette_entries.h"
 
 namespace knotreel::video {
 namespace {
 
-constexpr int kBits = 6;  // of each channel of a cell
-constexpr std::size_t kCells = std::size_t{1} << (3 * kBits);
-
-using Colour = std::array<std::uint8_t, 3>;
-
-std::size_t cell_of(const Colour& c) {
-  constexpr int kDown = 8 - kBits;
-  return (std::size_t(c[0] >> kDown) << (2 * kBits)) | (std::size_t(c[1] >> kDown) << kBits) |
-         std::size_t(c[2] >> kDown);
-}
+/// Times the squared error of colours that are chosen anew, up to which those of the frame before stay.
+constexpr double kStay = 1.25;
+constexpr int kPasses = 3;  ///< of settling
 
 /// Pixels of a cell.
 struct Cell {
-  std::uint32_t index = 0;
   double count = 0;
   std::array<double, 3> sum{};
   double mean(std::size_t c) const { return sum[c] / count; }
+  void add(const Cell& other) {
+    count += other.count;
+    for (std::size_t c = 0; c < 3; ++c) sum[c] += other.sum[c];
+  }
 };
 
 /// Cells [begin, end) that share a colour.
 struct Group {
   std::size_t begin = 0, end = 0;
-  std::array<double, 3> mean{};
+  Cell sum;
   double error = 0;        ///< squares, over pixels and channels
   std::size_t widest = 0;  ///< channel
 };
 
 Group group_of(const std::vector<Cell>& cells, std::size_t begin, std::size_t end) {
   Group group{begin, end, {}, 0, 0};
-  double count = 0;
-  for (std::size_t i = begin; i < end; ++i) {
-    count += cells[i].count;
-    for (std::size_t c = 0; c < 3; ++c) group.mean[c] += cells[i].sum[c];
-  }
-  for (double& m : group.mean) m /= count;
+  for (std::size_t i = begin; i < end; ++i) group.sum.add(cells[i]);
   std::array<double, 3> squares{};
   for (std::size_t i = begin; i < end; ++i) {
     for (std::size_t c = 0; c < 3; ++c) {
-      const double d = cells[i].mean(c) - group.mean[c];
+      const double d = cells[i].mean(c) - group.sum.mean(c);
       squares[c] += cells[i].count * d * d;
     }
   }
@@ -65,7 +62,7 @@ std::vector<Group> groups_of(std::vector<Cell>& cells, std::size_t most) {
     const auto first = cells.begin() + std::ptrdiff_t(whole.begin);
     const auto last = cells.begin() + std::ptrdiff_t(whole.end);
     const auto half = std::stable_partition(
-        first, last, [&](const Cell& c) { return c.mean(whole.widest) < whole.mean[whole.widest]; });
+        first, last, [&](const Cell& c) { return c.mean(whole.widest) < whole.sum.mean(whole.widest); });
     const auto middle = std::size_t(half - cells.begin());
     *worst = group_of(cells, whole.begin, middle);
     groups.push_back(group_of(cells, middle, whole.end));
@@ -73,41 +70,13 @@ std::vector<Group> groups_of(std::vector<Cell>& cells, std::size_t most) {
   return groups;
 }
 
-Colour colour_of(const image::Image& picture, const float* pixel) {
-  Colour colour;
-  for (std::size_t c = 0; c < 3; ++c) {
-    const float sample = pixel[picture.colour_channels() == 1 ? 0 : c];
-    colour[c] = std::uint8_t(std::clamp(sample, 0.0F, 255.0F) + 0.5F);
-  }
-  return colour;
-}
-
-/// The pixels of a picture, rounded.
-class Pixels {
- public:
-  explicit Pixels(const image::Image& picture) : picture_(picture) {}
-
-  std::size_t size() const { return picture_.pixel_count(); }
-  bool is_seen(std::size_t i) const {
-    return !picture_.has_alpha() || at(i)[picture_.channels - 1] >= 127.5F;
-  }
-  Colour colour(std::size_t i) const { return colour_of(picture_, at(i)); }
-  /// Entries of a palette that are left for colours, and the first of them.
-  std::size_t most() const { return 256 - first(); }
-  std::size_t first() const { return picture_.has_alpha() ? 1 : 0; }
-
- private:
-  const float* at(std::size_t i) const { return &picture_.samples[i * std::size_t(picture_.channels)]; }
-
-  const image::Image& picture_;
-};
-
 std::uint32_t packed(const Colour& c) {
   return std::uint32_t{c[0]} << 16 | std::uint32_t{c[1]} << 8 | c[2];
 }
 
-/// All colours that are seen, in order; more than there may be: none.
-std::vector<std::uint32_t> few_colours(const Pixels& pixels) {
+/// All colours that are seen, in order; more than a palette has: none.
+std::vector<std::uint32_t> few_colours(const ColourPixels& pixels) {
+  const std::size_t most = pixels.has_alpha() ? 255 : 256;
   std::vector<bool> known(std::size_t{1} << 24);
   std::vector<std::uint32_t> colours;
   for (std::size_t i = 0; i < pixels.size(); ++i) {
@@ -116,27 +85,31 @@ std::vector<std::uint32_t> few_colours(const Pixels& pixels) {
     if (known[colour]) continue;
     known[colour] = true;
     colours.push_back(colour);
-    if (colours.size() > pixels.most()) return {};
+    if (colours.size() > most) return {};
   }
   std::sort(colours.begin(), colours.end());
   return colours;
 }
 
-PalettePicture exactly(const Pixels& pixels, const std::vector<std::uint32_t>& colours) {
-  PalettePicture result;
-  for (std::size_t k = 0; k < colours.size(); ++k)
-    result.colours[pixels.first() + k] = 0xFF000000 | colours[k];
-  result.indices.resize(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (!pixels.is_seen(i)) continue;
-    const auto at = std::lower_bound(colours.begin(), colours.end(), packed(pixels.colour(i)));
-    result.indices[i] = std::uint8_t(pixels.first() + std::size_t(at - colours.begin()));
-  }
-  return result;
+bool holds_all(const Palette& palette, const std::vector<std::uint32_t>& colours) {
+  std::vector<std::uint32_t> there(palette.colours.begin(), palette.colours.end());
+  std::sort(there.begin(), there.end());
+  return std::all_of(colours.begin(), colours.end(), [&](std::uint32_t colour) {
+    return std::binary_search(there.begin(), there.end(), 0xFF000000 | colour);
+  });
 }
 
-std::vector<Cell> cells_of(const Pixels& pixels) {
-  std::vector<Cell> all(kCells);
+Palette palette_of(const std::vector<std::uint32_t>& colours) {
+  Palette palette;
+  palette.first = colours.size() < palette.colours.size() ? 1 : 0;
+  palette.count = colours.size();
+  for (std::size_t k = 0; k < colours.size(); ++k)
+    palette.colours[palette.first + k] = 0xFF000000 | colours[k];
+  return palette;
+}
+
+std::vector<Cell> cells_of(const ColourPixels& pixels) {
+  std::vector<Cell> all(kColourCells);
   for (std::size_t i = 0; i < pixels.size(); ++i) {
     if (!pixels.is_seen(i)) continue;
     const Colour colour = pixels.colour(i);
@@ -144,39 +117,69 @@ std::vector<Cell> cells_of(const Pixels& pixels) {
     cell.count += 1;
     for (std::size_t c = 0; c < 3; ++c) cell.sum[c] += colour[c];
   }
-  std::vector<Cell> used;
-  for (std::size_t i = 0; i < kCells; ++i) {
-    all[i].index = std::uint32_t(i);
-    if (all[i].count > 0) used.push_back(all[i]);
-  }
-  return used;
+  std::erase_if(all, [](const Cell& cell) { return cell.count == 0; });
+  return all;
 }
 
-PalettePicture in_groups(const Pixels& pixels) {
-  PalettePicture result;
-  std::vector<Cell> cells = cells_of(pixels);
-  const std::vector<Group> groups = groups_of(cells, pixels.most());
-  std::vector<std::uint8_t> index_of(kCells, 0);
-  for (std::size_t g = 0; g < groups.size(); ++g) {
-    const auto index = std::uint8_t(pixels.first() + g);
-    std::uint32_t argb = 0xFF;
-    for (const double m : groups[g].mean) argb = argb << 8 | std::uint32_t(m + 0.5);
-    result.colours[index] = argb;
-    for (std::size_t i = groups[g].begin; i < groups[g].end; ++i) index_of[cells[i].index] = index;
+std::uint32_t packed_mean(const Cell& cell) {
+  std::uint32_t colour = 0;
+  for (std::size_t c = 0; c < 3; ++c) colour = colour << 8 | std::uint32_t(cell.mean(c) + 0.5);
+  return colour;
+}
+
+std::array<float, 3> mean_of(const Cell& cell) {
+  return {float(cell.mean(0)), float(cell.mean(1)), float(cell.mean(2))};
+}
+
+/// For each cell the entry that is nearest. In parallel.
+std::vector<Least> nearest_entries(const Palette& palette, const std::vector<Cell>& cells) {
+  const PaletteEntries entries(palette);
+  std::vector<Least> nearest(cells.size());
+  constexpr std::size_t kBatch = 256;
+  parallel_for((cells.size() + kBatch - 1) / kBatch, [&](std::size_t batch) {
+    for (std::size_t i = batch * kBatch; i < std::min(cells.size(), (batch + 1) * kBatch); ++i)
+      nearest[i] = nearest_entry(entries, mean_of(cells[i]));
+  });
+  return nearest;
+}
+
+/// The squares that the nearest colours miss, over pixels and channels.
+double error_of(const Palette& palette, const std::vector<Cell>& cells) {
+  const std::vector<Least> nearest = nearest_entries(palette, cells);
+  double error = 0;
+  for (std::size_t i = 0; i < cells.size(); ++i) error += cells[i].count * double(nearest[i].value);
+  return error;
+}
+
+/// Every colour becomes the mean of the cells that it is nearest to (after [Lloyd82]).
+void settle(Palette& palette, const std::vector<Cell>& cells) {
+  const std::vector<Least> nearest = nearest_entries(palette, cells);
+  std::vector<Cell> sums(palette.count);
+  for (std::size_t i = 0; i < cells.size(); ++i) sums[nearest[i].entry].add(cells[i]);
+  for (std::size_t k = 0; k < palette.count; ++k) {
+    if (sums[k].count > 0) palette.colours[palette.first + k] = 0xFF000000 | packed_mean(sums[k]);
   }
-  result.indices.resize(pixels.size());
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (pixels.is_seen(i)) result.indices[i] = index_of[cell_of(pixels.colour(i))];
-  }
-  return result;
 }
 
 }  // namespace
 
-PalettePicture in_palette(const image::Image& picture) {
-  const Pixels pixels(picture);
-  const std::vector<std::uint32_t> few = few_colours(pixels);
-  return few.empty() ? in_groups(pixels) : exactly(pixels, few);
+Palette choose_palette(const image::Image& picture, const Palette* before) {
+  const ColourPixels pixels(picture);
+  if (const auto few = few_colours(pixels); !few.empty()) {
+    return before != nullptr && holds_all(*before, few) ? *before : palette_of(few);
+  }
+  std::vector<Cell> cells = cells_of(pixels);
+  const std::vector<Group> groups = groups_of(cells, 255);
+  double error = 0;
+  std::vector<std::uint32_t> colours;
+  for (const Group& group : groups) {
+    error += group.error;
+    colours.push_back(packed_mean(group.sum));
+  }
+  if (before != nullptr && before->count > 0 && error_of(*before, cells) <= kStay * error) return *before;
+  Palette palette = palette_of(colours);
+  for (int pass = 0; pass < kPasses; ++pass) settle(palette, cells);
+  return palette;
 }
 
 }  // namespace knotreel::video
