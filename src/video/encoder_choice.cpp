@@ -64,6 +64,8 @@ constexpr int kSmallForSlices = 16;
 constexpr double kScale = 2;  ///< of set_scale(), if nothing is said: as good as it gets but for the size
 /// Theora's own scale goes up to the best; ours is what is missing to it.
 constexpr double kMostTheoraQuality = 10;
+/// So does WebP's.
+constexpr double kMostWebpQuality = 100, kWebpCrf = 10;
 
 /// Encoders of libav with a scale of quantisers, from 1 to 31; without one they would go for 200 kbit/s.
 bool is_scaled(const std::string& encoder) {
@@ -201,6 +203,8 @@ void set_constant_quality(AVCodecContext& encoder, Options& dictionary, double c
   }
   if (name == "libtheora") {
     set_scale(encoder, kMostTheoraQuality - (crf < 0 ? kScale : crf));
+  } else if (name == "libwebp" || name == "libwebp_anim") {
+    dictionary.set("quality", number_text(std::max(0.0, kMostWebpQuality - (crf < 0 ? kWebpCrf : crf))));
   } else if (is_scaled(name)) {
     set_scale(encoder, crf < 0 ? kScale : crf);
   } else if (crf >= 0) {

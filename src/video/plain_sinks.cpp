@@ -103,9 +103,11 @@ class PictureSink : public Sink {
       return;
     }
     if (!pattern) {
+      const std::string extension = output_.extension().string();
+      const bool may_move = image::format_of_extension(extension.substr(1)) == image::ImageFormat::kWebp;
       throw Error(ErrorKind::kInvalidArgument,
                   "'" + output_.string() + "' holds one frame; for more, use a name such as frame_%04d" +
-                      output_.extension().string());
+                      extension + (may_move ? ", or --format webp for an animation" : ""));
     }
     ++written_;
     image::write_image(output_.parent_path() / pattern->name(written_), image, samples_);

@@ -196,6 +196,24 @@ TEST(Outputs, IndicesOfPipesCannotGoFirst) {
   EXPECT_EQ(through_pipe(moving_pattern(64, 48, 3, 30), options).frames.size(), 30u);
 }
 
+TEST(Outputs, AnimatedWebp) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(64, 48, 3, 3);
+  for (unsigned i = 0; i < 3; ++i) clip.images[i] = test::random_8bit_picture(64, 48, 3, i);
+  const auto written = [&](double crf) {
+    WriteOptions options = into("webp");
+    options.crf = crf;
+    write_clip(dir / "a.webp", clip, options);
+    return read_text(dir / "a.webp");
+  };
+  const std::string bytes = written(-1);  // libav does not read them
+  std::size_t frames = 0;
+  for (std::size_t at = 0; (at = bytes.find("ANMF", at)) != std::string::npos; at += 4) ++frames;
+  EXPECT_EQ(frames, 3u);
+  EXPECT_LT(2 * written(80).size(), bytes.size());
+  EXPECT_GT(written(0).size(), bytes.size());
+}
+
 struct Quality {
   const char* codec;
   double low;  ///< on the encoder's scale
