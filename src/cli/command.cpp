@@ -7,6 +7,10 @@
 
 namespace knotreel::cli {
 
+std::vector<const CLI::App*> shown_commands(const CLI::App& program) {
+  return program.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
+}
+
 CLI::Validator within(double low, double high) {
   const auto check = [low, high](const std::string& text) {
     double value = 0;

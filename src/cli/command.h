@@ -20,6 +20,9 @@ void add_dump_command(CLI::App& program);
 void add_compare_command(CLI::App& program);
 void add_bench_command(CLI::App& program);
 
+/// The commands that the help names.
+std::vector<const CLI::App*> shown_commands(const CLI::App& program);
+
 /// Adds `--threads N` to a command; `threads` stays 0 (all cores) if it is not given.
 void add_threads_option(CLI::App& command, int& threads);
 

@@ -7,8 +7,10 @@
 #include <string>
 
 #include "cli/command.h"
+#include "cli/completion.h"
 #include "cli/heap.h"
 #include "cli/interrupt.h"
+#include "cli/manual.h"
 #include "cli/standard_error.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
@@ -54,6 +56,8 @@ void run(int argc, char** argv) {
   cli::add_dump_command(program);
   cli::add_compare_command(program);
   cli::add_bench_command(program);
+  cli::add_manual_command(program);
+  cli::add_completion_command(program);
   // CLI11 would only say that a command is missing.
   const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
   const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };

@@ -11,14 +11,14 @@ namespace {
 
 constexpr int kMaxSide = 1'000'000;
 
-[[noreturn]] void refuse(const std::string& why) {
+[[noreturn]] void refuse_size(const std::string& why) {
   throw Error(ErrorKind::kInvalidArgument, why);
 }
 
 Size given_size(const std::string& text) {
   const Size size = parse_size("--size", text);
   if (size.width > kMaxSide || size.height > kMaxSide) {
-    refuse("--size " + text + " is more than " + std::to_string(kMaxSide) + " pixels on a side");
+    refuse_size("--size " + text + " is more than " + std::to_string(kMaxSide) + " pixels on a side");
   }
   return size;
 }
@@ -31,11 +31,11 @@ Size with_sides(Size size, const Turn& turn) {
 
 Size output_size(double scale, const std::string& size, int width, int height, const Turn& turn) {
   if (!size.empty()) return with_sides(given_size(size), turn);
-  if (!std::isfinite(scale) || scale <= 0) refuse("--scale takes a number above 0");
+  if (!std::isfinite(scale) || scale <= 0) refuse_size("--scale takes a number above 0");
   const double scaled_width = std::max(1.0, std::round(width * scale));
   const double scaled_height = std::max(1.0, std::round(height * scale));
   if (scaled_width > kMaxSide || scaled_height > kMaxSide) {
-    refuse("--scale gives more than " + std::to_string(kMaxSide) + " pixels on a side");
+    refuse_size("--scale gives more than " + std::to_string(kMaxSide) + " pixels on a side");
   }
   return {static_cast<int>(scaled_width), static_cast<int>(scaled_height)};
 }

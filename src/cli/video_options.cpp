@@ -99,8 +99,9 @@ void add_trace_option(CLI::App& command, std::string& file) {
 }
 
 void add_tracking_options(CLI::App& command, track::TrackOptions& options, bool& no_drawn_frames) {
-  command.add_flag("!--no-warm-start", options.warm_start,
-                   "Make every frame from its picture alone, not from the frame before");
+  command.add_flag_callback(
+      "--no-warm-start", [&options] { options.warm_start = false; },
+      "Make every frame from its picture alone, not from the frame before");
   command
       .add_option("--temporal-weight", options.temporal_weight,
                   "How much of its error a frame keeps along motion, 0 to 1 (twice\nwhere nothing moves): "

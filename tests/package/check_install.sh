@@ -10,6 +10,8 @@ mkdir -p "$work"
 mv "$work/first" "$work/moved"  # nothing may remember where it was installed
 
 "$work/moved/bin/knotreel" --version
+grep -q '^\.TH KNOTREEL 1' "$work/moved/share/man/man1/knotreel.1"
+grep -q '^complete ' "$work/moved/share/bash-completion/completions/knotreel"
 
 "$cmake" -S "$source_dir/consumer" -B "$work/consumer" -G Ninja -DCMAKE_BUILD_TYPE=Release \
   -DCMAKE_CXX_COMPILER="$cxx" -DCMAKE_PREFIX_PATH="$work/moved"
