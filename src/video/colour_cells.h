@@ -12,6 +12,11 @@ namespace knotreel::video {
 /// 8 bits of red, green and blue.
 using Colour = std::array<std::uint8_t, 3>;
 
+/// 0xRRGGBB.
+inline std::uint32_t packed(const Colour& c) {
+  return std::uint32_t{c[0]} << 16 | std::uint32_t{c[1]} << 8 | c[2];
+}
+
 /// Cells of all colours: those that agree in the upper bits of each channel.
 inline constexpr int kCellBits = 6;
 inline constexpr std::size_t kColourCells = std::size_t{1} << (3 * kCellBits);

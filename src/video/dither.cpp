@@ -99,9 +99,8 @@ std::vector<Entry> sorted_entries(const Palette& palette) {
 }
 
 std::size_t exact_entry(const std::vector<Entry>& sorted, const Colour& colour) {
-  const std::uint32_t packed = std::uint32_t{colour[0]} << 16 | std::uint32_t{colour[1]} << 8 | colour[2];
-  const auto at = std::lower_bound(sorted.begin(), sorted.end(), Entry(packed, 0));
-  return at != sorted.end() && at->first == packed ? at->second : kNone;
+  const auto at = std::lower_bound(sorted.begin(), sorted.end(), Entry(packed(colour), 0));
+  return at != sorted.end() && at->first == packed(colour) ? at->second : kNone;
 }
 
 }  // namespace

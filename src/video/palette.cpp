@@ -70,10 +70,6 @@ std::vector<Group> groups_of(std::vector<Cell>& cells, std::size_t most) {
   return groups;
 }
 
-std::uint32_t packed(const Colour& c) {
-  return std::uint32_t{c[0]} << 16 | std::uint32_t{c[1]} << 8 | c[2];
-}
-
 /// All colours that are seen, in order; more than a palette has: none.
 std::vector<std::uint32_t> few_colours(const ColourPixels& pixels) {
   const std::size_t most = pixels.has_alpha() ? 255 : 256;
