@@ -135,7 +135,7 @@ class FileSink : public Sink {
     if (result < 0) throw Error(ErrorKind::kOutput, "cannot write " + io_.name() + ": " + error_text(result));
   }
 
-  /// What the nearest pixel format cannot hold.
+  /// What the nearest pixel format cannot hold, or who cannot show it.
   void warn_of_losses(const StreamInfo& frames) {
     const AVPixelFormat format = encoder_.context().pix_fmt;
     const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(format);
@@ -149,6 +149,14 @@ class FileSink : public Sink {
     }
     if (frames.depth > 8 && depth_of(description) == 8) {
       warnings.add(name + "8 bits: the " + std::to_string(frames.depth) + " of the pictures are rounded");
+    }
+    const AVCodecID codec = encoder_.context().codec_id;
+    const bool is_played =
+        is_quicktime(container_) && (codec == AV_CODEC_ID_H264 || codec == AV_CODEC_ID_HEVC);
+    if (is_played && !is_grey(description) && description.log2_chroma_w == 0) {
+      const bool even = frames.width % 2 == 0 && frames.height % 2 == 0;
+      warnings.add(name + "colours at full size, which many players cannot show; " +
+                   (even ? "--pixel-format yuv420p is for those" : "even sizes may have yuv420p"));
     }
   }
 

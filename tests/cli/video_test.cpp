@@ -132,7 +132,8 @@ TEST_F(CliVideo, APercentSignAloneIsNoNumber) {
 }
 
 TEST_F(CliVideo, Mp4KeepsVariableTimes) {
-  const auto result = knotreel({"transcode", clip_, "-o", path("out.mp4"), "--preset", "fast"});
+  const auto result =
+      knotreel({"transcode", clip_, "-o", path("out.mp4"), "--preset", "fast", "--pixel-format", "yuv420p"});
   expect_success(result);
   EXPECT_EQ(test::frame_times(path("out.mp4")), times_);
 }
@@ -357,7 +358,8 @@ std::string with_distant_index(std::string mp4) {
 }
 
 TEST_F(CliVideo, AnMp4FromAPipeNeedsItsIndexFirst) {
-  expect_success(knotreel({"transcode", clip_, "-o", path("o.mp4"), "--preset", "fast"}));
+  expect_success(
+      knotreel({"transcode", clip_, "-o", path("o.mp4"), "--preset", "fast", "--pixel-format", "yuv420p"}));
   const std::string mp4 = with_distant_index(read_text(path("o.mp4")));
   const auto result = knotreel({"vectorize", "-", "-o", document_}, {.input = mp4});
   expect_failure(result, 3);
@@ -541,7 +543,8 @@ TEST_F(CliVideo, SizesAndPartsAreThoseOfThePictureAsShown) {
     for (int y = 0; y < 70; ++y)
       for (int x = 0; x < 50; ++x) ASSERT_EQ(part.at(x, y, 1), whole.at(x + 10, y + 20, 1)) << name;
   }
-  expect_success(knotreel({"transcode", phone, "-o", path("o.mp4"), "--preset", "fast", "--size", "24x32"}));
+  expect_success(knotreel({"transcode", phone, "-o", path("o.mp4"), "--preset", "fast", "--size", "24x32",
+                           "--pixel-format", "yuv420p"}));
   EXPECT_EQ(video::VideoReader::open(path("o.mp4")).info().width, 32);
   expect_success(knotreel({"transcode", phone, "-o", path("o.mkv"), "--preset", "fast", "--size", "24x32"}));
   EXPECT_EQ(video::VideoReader::open(path("o.mkv")).info().width, 24);

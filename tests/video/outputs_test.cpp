@@ -267,6 +267,23 @@ TEST(Outputs, AlphaThatAnEncoderDoesNotKeepIsTold) {
   }
 }
 
+TEST(Outputs, ChromaThatPlayersDoNotShowIsTold) {
+  const TempDir dir;
+  const auto warnings = [&](const char* name, const char* codec, const std::string& from, int width) {
+    StreamInfo info = moving_pattern(width, 48, 3, 1).info;
+    info.pixel_format = from;
+    const std::vector<std::string> all = VideoWriter::create(dir / name, info, with_codec(codec)).warnings();
+    return all.empty() ? "" : all[0].substr(all[0].find(';') + 2);
+  };
+  for (const char* codec : {"h264", "hevc"}) {
+    EXPECT_EQ(warnings("a.mp4", codec, "rgb24", 64), "--pixel-format yuv420p is for those");
+    EXPECT_EQ(warnings("a.mov", codec, "yuv420p", 65), "even sizes may have yuv420p");
+    EXPECT_EQ(warnings("a.mp4", codec, "yuv420p", 64), "");
+    EXPECT_EQ(warnings("a.mkv", codec, "rgb24", 64), "");
+  }
+  EXPECT_EQ(warnings("a.mov", "prores", "rgb24", 64), "");
+}
+
 TEST(Outputs, WithoutAlphaPicturesAreOnBlack) {
   const TempDir dir;
   ClipSpec clip = moving_pattern(32, 16, 4, 1);
