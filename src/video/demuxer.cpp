@@ -70,7 +70,9 @@ void Demuxer::open(const std::string& input, const ReadOptions& options) {
   Options dictionary;
   for (const auto& [key, value] : options.demuxer_options) dictionary.set(key, value);
   const AVInputFormat* forced = forced_format(options.format);
+  if (input == "-") pipe_ = std::make_unique<PipeIo>(cannot_read_);
   AVFormatContext* opened = allocated(avformat_alloc_context());
+  if (pipe_) opened->pb = pipe_->context();
   const int result = avformat_open_input(&opened, url_of(input).c_str(), forced, dictionary.get());
   if (result < 0) throw Error(ErrorKind::kInput, cannot_read_ + why_not(result));
   format_.reset(opened);

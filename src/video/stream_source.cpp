@@ -4,6 +4,7 @@
 #include <cmath>
 #include <string_view>
 
+#include "gif_alpha.h"
 #include "knotreel/base/error.h"
 #include "stream_description.h"
 
@@ -28,6 +29,14 @@ std::string hint_of_pipe(const AVFormatContext& format) {
   return from_pipe && has_index ? "; from a pipe, MP4 must have its index at its beginning (faststart)" : "";
 }
 
+/// GIFs are decoded with alpha, which most of them have no use for.
+void drop_idle_alpha(StreamInfo& info, const AVFrame& first, const std::string& input) {
+  if (info.codec != "gif" || first.format != AV_PIX_FMT_BGRA) return;
+  if (!is_opaque(first) || !stays_opaque(input)) return;
+  info.channels = 3;
+  info.pixel_format = av_get_pix_fmt_name(AV_PIX_FMT_BGR0);
+}
+
 /// How long a frame lasts by itself; 0 if nothing tells.
 std::int64_t duration_of(const AVFrame& frame, const StreamInfo& info) {
   if (frame.pkt_duration > 0 && is_time(frame.pkt_duration)) return frame.pkt_duration;
@@ -44,7 +53,7 @@ StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
   if (const int others = demuxer_.other_videos(); others > 0) {
     warnings_.add(std::to_string(others) + " more video streams are left out");
   }
-  begin(options);
+  begin(input, options);
   if (std::uint64_t(info_.width) * std::uint64_t(info_.height) > image::kMaxPixels) {
     throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "its frames have too many pixels");
   }
@@ -52,12 +61,13 @@ StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
 }
 
 /// The first frame tells what the others are like.
-void StreamSource::begin(const ReadOptions& options) {
+void StreamSource::begin(const std::string& input, const ReadOptions& options) {
   FramePtr first = decode();
   if (!first)
     throw Error(ErrorKind::kInput,
                 demuxer_.cannot_read() + "no frame of it can be decoded" + hint_of_pipe(*demuxer_.format()));
   decoded_info_ = describe_stream(*demuxer_.format(), *demuxer_.video(), *decoder_, *first, options);
+  drop_idle_alpha(decoded_info_, *first, input);
   stamp(*first);
   filter_.emplace(options, to_av(decoded_info_.time_base), to_av(decoded_info_.frame_rate), warnings_);
   filter_->send(std::move(first));

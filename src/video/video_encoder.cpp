@@ -8,6 +8,7 @@
 #include "carried_colours.h"
 #include "colour_rules.h"
 #include "encoder_choice.h"
+#include "gif_alpha.h"
 #include "image_to_frame.h"
 #include "knotreel/base/error.h"
 
@@ -134,6 +135,8 @@ void VideoEncoder::open(const WriteOptions& options) {
   Options dictionary;
   set_quality(*encoder_, dictionary, options);
   const std::string name = encoder_->codec->name;  // a failure takes the codec away
+  clears_ = name == "gif" && info_.channels % 2 == 0;
+  if (clears_) dictionary.set("gifflags", "0");  // whole pictures
   if (name == "hap" && info_.channels % 2 == 0) dictionary.set("format", "hap_alpha");
   const ErrorListener listener;
   const int result = avcodec_open2(encoder_.get(), encoder_->codec, dictionary.get());
@@ -215,6 +218,7 @@ void VideoEncoder::send(AVFrame* frame, const Receiver& receiver) {
   while (result >= 0) {
     result = avcodec_receive_packet(encoder_.get(), packet.get());
     if (result < 0) break;
+    if (clears_) clear_before_next(*packet);
     if (const auto found = durations_.find(packet->pts); found != durations_.end()) {
       packet->duration = found->second;
       durations_.erase(found);

@@ -50,6 +50,7 @@ class VideoEncoder {
   FramePtr last_;             // as it was sent
   std::int64_t cut_out_ = 0;  // ticks of gaps that are too long
   bool takes_crf_ = true;
+  bool clears_ = false;  // GIFs with alpha: what was there before would be seen behind
   std::string complaint_;
 };
 

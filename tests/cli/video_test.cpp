@@ -517,6 +517,17 @@ TEST_F(CliVideo, InfoTellsOfColours) {
   EXPECT_EQ(knotreel({"info", clip_}).out.find("matrix"), std::string::npos);
 }
 
+TEST_F(CliVideo, AGifMayComeFromAPipe) {
+  const std::string gif = path("o.gif");
+  expect_success(knotreel({"transcode", clip_, "-o", gif, "--preset", "fast", "--scale", "5"}));
+  const std::string bytes = read_text(gif);
+  ASSERT_GT(bytes.size(), 65536u);  // more than what can be gone back in
+  const auto piped = knotreel({"transcode", "-", "-f", "null", "--preset", "fast"}, {.input = bytes});
+  expect_success(piped);
+  EXPECT_NE(piped.out.find("6 frames"), std::string::npos) << piped.out;
+  expect_failure(knotreel({"transcode", "-", "-f", "null"}, {.input = "GIF8"}), 3);
+}
+
 TEST_F(CliVideo, SizesAndPartsAreThoseOfThePictureAsShown) {
   video::VideoReader reader = video::VideoReader::open(clip_);
   video::StreamInfo info = reader.info();

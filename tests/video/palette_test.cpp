@@ -187,32 +187,5 @@ TEST(Palette, GifsThatStandStillAreSmall) {
   EXPECT_LT(std::filesystem::file_size(dir / "a.gif"), 4 * std::filesystem::file_size(dir / "one.gif"));
 }
 
-TEST(Palette, GifsKeepColoursAndWhatIsTransparent) {
-  const TempDir dir;
-  ClipSpec clip = moving_pattern(64, 48, 4, 5);
-  for (std::size_t t = 0; t < 5; ++t) {
-    image::Image& picture = clip.images[t];
-    for (int y = 0; y < 48; ++y) {
-      for (int x = 0; x < 64; ++x) {
-        const bool seen = std::hypot(x - 15 - 8 * double(t), y - 24) < 14;
-        const float colour[4] = {seen ? 200.0F : 0, seen ? float(2 * y) : 0, seen ? 40.0F : 0,
-                                 seen ? 255.0F : 0};
-        for (int c = 0; c < 4; ++c) picture.at(x, y, c) = colour[c];
-      }
-    }
-  }
-  write_clip(dir / "a.gif", clip, {});
-  const WholeClip back = read_clip(dir / "a.gif");
-  ASSERT_EQ(back.frames.size(), 5u);
-  for (std::size_t t = 0; t < 5; ++t) {
-    const image::Image& image = back.frames[t].image;
-    for (std::size_t i = 0; i < image.samples.size(); i += 4) {
-      ASSERT_EQ(image.samples[i + 3], clip.images[t].samples[i + 3]) << "frame " << t;
-      for (std::size_t c = 0; c < 3 && image.samples[i + 3] > 0; ++c)
-        ASSERT_EQ(image.samples[i + c], clip.images[t].samples[i + c]) << "frame " << t;
-    }
-  }
-}
-
 }  // namespace
 }  // namespace knotreel::video

@@ -129,7 +129,7 @@ INSTANTIATE_TEST_SUITE_P(Encoders, PixelFormats,
                                          Kept{"a.mov", "prores", "yuv422p10le", "yuv422p10le", 64, 48, 3},
                                          Kept{"a.mov", "hap", "yuv420p", "rgb0", 64, 48, 6},
                                          Kept{"alpha.mov", "hap", "yuva420p", "rgba", 64, 48, 6},
-                                         Kept{"a.gif", "", "rgb24", "bgra", 64, 48, 4},
+                                         Kept{"a.gif", "", "rgb24", "bgr0", 64, 48, 5},
                                          Kept{"a.mkv", "av1", "yuv420p", "yuv420p", 64, 48, 6}));
 
 TEST(RoundTrip, TagsAspectAndRotationSurvive) {
