@@ -2,6 +2,8 @@
 
 #include <cstring>
 #include <filesystem>
+#include <fstream>
+#include <sstream>
 
 #include "file_end.h"
 #include "knotreel/base/error.h"
@@ -101,6 +103,13 @@ void Demuxer::discard_others() {
   for (unsigned i = 0; i < format_->nb_streams; ++i) {
     if (int(i) != video_ && !copied(int(i))) format_->streams[i]->discard = AVDISCARD_ALL;
   }
+}
+
+std::unique_ptr<std::istream> Demuxer::from_its_start() const {
+  if (pipe_) return pipe_->in_memory() ? std::make_unique<std::istringstream>(pipe_->text()) : nullptr;
+  std::error_code ignored;
+  if (!std::filesystem::is_regular_file(input_, ignored)) return nullptr;
+  return std::make_unique<std::ifstream>(input_, std::ios::binary);
 }
 
 bool Demuxer::copied(int stream) const {

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <istream>
 #include <memory>
 #include <string>
 
@@ -34,6 +35,9 @@ class Demuxer {
 
   /// Whether the file is shorter than it tells, which read() does not find.
   bool lacks_its_end() const;
+
+  /// What is read, once more; null if it is neither a regular file nor in memory.
+  std::unique_ptr<std::istream> from_its_start() const;
 
   /// "cannot read video 'x': " or the same for standard input.
   const std::string& cannot_read() const { return cannot_read_; }

@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <filesystem>
-#include <fstream>
 #include <new>
 #include <span>
 
@@ -17,7 +15,7 @@ constexpr int kClear = 2;  ///< disposal method
 /// Goes through the blocks of a file.
 class GifBlocks {
  public:
-  explicit GifBlocks(const std::string& path) : file_(path, std::ios::binary) {}
+  explicit GifBlocks(std::istream& file) : file_(file) {}
 
   /// 0 at the end.
   std::uint8_t byte() {
@@ -60,7 +58,7 @@ class GifBlocks {
   }
 
  private:
-  std::ifstream file_;
+  std::istream& file_;
 };
 
 }  // namespace
@@ -75,10 +73,8 @@ bool is_opaque(const AVFrame& frame) {
   return true;
 }
 
-bool stays_opaque(const std::string& path) {
-  std::error_code ignored;
-  if (!std::filesystem::is_regular_file(path, ignored)) return false;
-  GifBlocks blocks(path);
+bool stays_opaque(std::istream& gif) {
+  GifBlocks blocks(gif);
   blocks.skip_header();
   for (;;) {
     switch (blocks.byte()) {

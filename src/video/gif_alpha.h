@@ -1,6 +1,6 @@
 #pragma once
 
-#include <string>
+#include <istream>
 
 #include "libav.h"
 
@@ -11,8 +11,8 @@ bool is_opaque(const AVFrame& frame);
 
 /// Whether a GIF whose first frame is opaque stays so: none of its frames is cleared before the next one
 /// comes (GIF89a, section 23, disposal method 2). libav's frames have alpha in any case.
-/// @return false if that cannot be told, since it is no regular file or no whole GIF.
-bool stays_opaque(const std::string& path);
+/// @return false if that cannot be told, since it is no whole GIF.
+bool stays_opaque(std::istream& gif);
 
 /// Has the frame of a packet of libav's encoder cleared before the next one comes, which it only has where
 /// the frame itself is transparent somewhere. @pre packets are of whole pictures.

@@ -19,6 +19,10 @@ class PipeIo {
   PipeIo(const PipeIo&) = delete;
   PipeIo& operator=(const PipeIo&) = delete;
 
+  bool in_memory() const { return memory_ != nullptr; }
+  /// All that is in memory.
+  std::string text() const { return {bytes_.begin(), bytes_.end()}; }
+
   AVIOContext* context() const { return memory_ != nullptr ? memory_ : pipe_; }
 
  private:

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <istream>
+#include <memory>
 #include <string_view>
 
 #include "gif_alpha.h"
@@ -30,9 +32,10 @@ std::string hint_of_pipe(const AVFormatContext& format) {
 }
 
 /// GIFs are decoded with alpha, which most of them have no use for.
-void drop_idle_alpha(StreamInfo& info, const AVFrame& first, const std::string& input) {
-  if (info.codec != "gif" || first.format != AV_PIX_FMT_BGRA) return;
-  if (!is_opaque(first) || !stays_opaque(input)) return;
+void drop_idle_alpha(StreamInfo& info, const AVFrame& first, const Demuxer& demuxer) {
+  if (info.codec != "gif" || first.format != AV_PIX_FMT_BGRA || !is_opaque(first)) return;
+  const std::unique_ptr<std::istream> again = demuxer.from_its_start();
+  if (!again || !stays_opaque(*again)) return;
   info.channels = 3;
   info.pixel_format = av_get_pix_fmt_name(AV_PIX_FMT_BGR0);
 }
@@ -53,7 +56,7 @@ StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
   if (const int others = demuxer_.other_videos(); others > 0) {
     warnings_.add(std::to_string(others) + " more video streams are left out");
   }
-  begin(input, options);
+  begin(options);
   if (std::uint64_t(info_.width) * std::uint64_t(info_.height) > image::kMaxPixels) {
     throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "its frames have too many pixels");
   }
@@ -61,13 +64,13 @@ StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
 }
 
 /// The first frame tells what the others are like.
-void StreamSource::begin(const std::string& input, const ReadOptions& options) {
+void StreamSource::begin(const ReadOptions& options) {
   FramePtr first = decode();
   if (!first)
     throw Error(ErrorKind::kInput,
                 demuxer_.cannot_read() + "no frame of it can be decoded" + hint_of_pipe(*demuxer_.format()));
   decoded_info_ = describe_stream(*demuxer_.format(), *demuxer_.video(), *decoder_, *first, options);
-  drop_idle_alpha(decoded_info_, *first, input);
+  drop_idle_alpha(decoded_info_, *first, demuxer_);
   stamp(*first);
   filter_.emplace(options, to_av(decoded_info_.time_base), to_av(decoded_info_.frame_rate), warnings_);
   filter_->send(std::move(first));

@@ -29,7 +29,7 @@ class StreamSource : public Source {
 
  private:
   void open_decoder(int threads);
-  void begin(const std::string& input, const ReadOptions& options);
+  void begin(const ReadOptions& options);
   FramePtr decode();
   FramePtr receive();
   FramePtr filtered();
