@@ -19,6 +19,11 @@ std::string url_of(const std::string& input) {
   return "file:" + input;
 }
 
+bool is_pipe(const std::string& input) {
+  std::error_code ignored;
+  return input == "-" || std::filesystem::is_fifo(input, ignored);
+}
+
 void check_file(const std::string& input, const std::string& cannot_read) {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(input, ignored)) return;
@@ -72,7 +77,7 @@ void Demuxer::open(const std::string& input, const ReadOptions& options) {
   Options dictionary;
   for (const auto& [key, value] : options.demuxer_options) dictionary.set(key, value);
   const AVInputFormat* forced = forced_format(options.format);
-  if (input == "-") pipe_ = std::make_unique<PipeIo>(cannot_read_);
+  if (is_pipe(input)) pipe_ = std::make_unique<PipeIo>(url_of(input), cannot_read_);
   AVFormatContext* opened = allocated(avformat_alloc_context());
   if (pipe_) opened->pb = pipe_->context();
   const int result = avformat_open_input(&opened, url_of(input).c_str(), forced, dictionary.get());

@@ -6,6 +6,7 @@
 #include <string_view>
 
 #include "knotreel/base/error.h"
+#include "knotreel/base/input_file.h"
 
 namespace knotreel::video {
 namespace {
@@ -23,8 +24,8 @@ bool is_gif(AVIOContext& pipe) {
 
 }  // namespace
 
-PipeIo::PipeIo(const std::string& cannot_read) {
-  const int result = avio_open2(&pipe_, "pipe:0", AVIO_FLAG_READ, nullptr, nullptr);
+PipeIo::PipeIo(const std::string& url, const std::string& cannot_read) {
+  const int result = avio_open2(&pipe_, url.c_str(), AVIO_FLAG_READ, nullptr, nullptr);
   if (result < 0) throw Error(ErrorKind::kInput, cannot_read + error_text(result));
   try {
     if (is_gif(*pipe_)) read_all(cannot_read);
@@ -44,6 +45,7 @@ PipeIo::~PipeIo() {
 void PipeIo::read_all(const std::string& cannot_read) {
   std::array<unsigned char, kBufferBytes> part;
   for (int got = 0; (got = avio_read(pipe_, part.data(), int(part.size()))) > 0;) {
+    check_while_working();
     bytes_.insert(bytes_.end(), part.begin(), part.begin() + got);
     if (bytes_.size() > kMostBytes)
       throw Error(ErrorKind::kInput, cannot_read + "a GIF from a pipe may have up to 1 GiB");

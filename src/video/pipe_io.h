@@ -8,13 +8,13 @@
 
 namespace knotreel::video {
 
-/// Standard input for libav's demuxers. That of GIF reads a file to its end and then goes back to its start,
-/// so a GIF is read into memory first; of all else only the buffer is kept.
+/// A pipe for libav's demuxers. That of GIF reads a file to its end and then goes back to its start, so a GIF
+/// is read into memory first; of all else only the buffer is kept.
 class PipeIo {
  public:
-  /// @param cannot_read  start of messages.
+  /// @param url  as libav names it. @param cannot_read  start of messages.
   /// @throws Error{kInput} if it cannot be read, or is a GIF of more than 1 GiB.
-  explicit PipeIo(const std::string& cannot_read);
+  PipeIo(const std::string& url, const std::string& cannot_read);
   ~PipeIo();
   PipeIo(const PipeIo&) = delete;
   PipeIo& operator=(const PipeIo&) = delete;
