@@ -144,6 +144,7 @@ void run_export(const CLI::App& command, const ExportArguments& arguments) {
   if (names) {
     export_all(arguments, reader, options, format, *names);
   } else {
+    warn_of_other_frames(arguments.input, reader, command.count("--frame") > 0);
     export_one(arguments, reader, options, format);
   }
 }

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "cli/command.h"
 #include "cli/file_names.h"
 #include "cli/interrupt.h"
 #include "knotreel/base/error.h"
@@ -68,6 +69,12 @@ document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame) {
                                                  std::to_string(reader.frame_count()) + ", counted from 0");
   }
   return reader.read(frame);
+}
+
+void warn_of_other_frames(const std::string& path, const document::Reader& reader, bool told) {
+  if (told || reader.frame_count() <= 1) return;
+  warn_of(path, {"only the first of " + std::to_string(reader.frame_count()) +
+                 " frames is drawn; --frame takes another one, a name with %04d all"});
 }
 
 void stream_rendering(const raster::Renderer& renderer, const image::Background& background,

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <filesystem>
+#include <string>
 
 #include "knotreel/document/frame_model.h"
 #include "knotreel/document/reader.h"
@@ -25,6 +26,10 @@ Turn turn_of(const document::Reader& reader);
 
 /// Reads one frame. @throws Error{kInvalidArgument} if there is no such frame.
 document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame);
+
+/// Warns where only the first frame of several is drawn, and nobody has said so.
+/// @param told  --frame was given.
+void warn_of_other_frames(const std::string& path, const document::Reader& reader, bool told);
 
 /// Renders in bands and hands them to the writer, which works while the next band is rendered. Memory: two
 /// bands of about a million pixels. The bits do not depend on the number of threads.

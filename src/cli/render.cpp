@@ -68,7 +68,7 @@ void write_turned(const raster::Renderer& renderer, const Turn& turn, const imag
   writer.write(whole.samples, whole.height);
 }
 
-void render_picture(const RenderArguments& arguments) {
+void render_picture(const RenderArguments& arguments, bool frame_is_told) {
   check_paths({arguments.input}, {{arguments.output}});
   const ThreadCap cap(arguments.threads);
   const image::Background background = parse_background(arguments.background);
@@ -82,6 +82,7 @@ void render_picture(const RenderArguments& arguments) {
   }
 
   document::Reader reader = open_document(arguments.input);
+  warn_of_other_frames(arguments.input, reader, frame_is_told);
   const Turn turn = turn_of(reader);
   const raster::RenderOptions options = render_options(arguments, reader.info(), turn);
   const raster::Renderer renderer(read_frame(reader, arguments.frame), options);
@@ -117,7 +118,7 @@ void render(const CLI::App& command, RenderArguments& arguments) {
   const bool is_video = is_video_output(arguments.output, arguments.format);
   check_kind(command, is_video);
   if (!is_video) {
-    render_picture(arguments);
+    render_picture(arguments, command.count("--frame") > 0);
     return;
   }
   RenderVideo video = arguments.video;

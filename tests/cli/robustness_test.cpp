@@ -99,8 +99,8 @@ TEST_F(CliRobustness, AFullDiskIsToldAndDamagesNothing) {
       {"transcode", clip_, "-o", path("old.mp4"), "--preset", "fast", "--document", path("old.tcb")},
       {"transcode", clip_, "-o", path("old.mp4"), "--preset", "fast", "--stats", path("old.json")},
       {"render", document, "-o", path("old.mkv"), "--codec", "ffv1"},
-      {"render", document, "-o", path("old.png"), "--scale", "4"},
-      {"export", document, "-o", path("old.pdf")}};
+      {"render", document, "-o", path("old.png"), "--scale", "4", "--frame", "0"},
+      {"export", document, "-o", path("old.pdf"), "--frame", "0"}};
   for (const char* name : {"old.tcb", "old.mkv", "old.mp4", "old.json", "old.png", "old.pdf"}) {
     std::ofstream(path(name)) << "old";
   }

@@ -517,6 +517,17 @@ TEST_F(CliVideo, InfoTellsOfColours) {
   EXPECT_EQ(knotreel({"info", clip_}).out.find("matrix"), std::string::npos);
 }
 
+TEST_F(CliVideo, OnePictureOfManyFramesIsTold) {
+  vectorize();
+  for (const std::string command : {"render", "export"}) {
+    const std::string output = path(command == "render" ? "o.png" : "o.pdf");
+    const auto first = knotreel({command, document_, "-o", output});
+    EXPECT_EQ(first.exit_code, 0);
+    EXPECT_NE(first.err.find("only the first of 6 frames is drawn"), std::string::npos) << first.err;
+    expect_success(knotreel({command, document_, "-o", output, "--frame", "0"}));
+  }
+}
+
 TEST_F(CliVideo, AGifMayComeFromAPipe) {
   const std::string gif = path("o.gif");
   expect_success(knotreel({"transcode", clip_, "-o", gif, "--preset", "fast", "--scale", "5"}));
