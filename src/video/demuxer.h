@@ -53,7 +53,7 @@ class Demuxer {
   bool has_index() const;
 
   std::string input_, cannot_read_;
-  std::unique_ptr<PipeIo> pipe_;  ///< of standard input; before what reads it
+  std::unique_ptr<PipeIo> pipe_;  ///< if it is one; before what reads it
   std::unique_ptr<AVFormatContext, Closer> format_;
   int video_ = -1;
   std::int64_t packets_end_ = 0;  ///< of those read so far, bytes

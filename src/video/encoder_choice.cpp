@@ -263,9 +263,10 @@ void check_x264_names(const std::map<std::string, std::string>& options) {
 /// What the user says, over what has been chosen; lists of an encoder's own options go on with the user's.
 void set_options(const AVCodec& encoder, Options& dictionary,
                  const std::map<std::string, std::string>& options) {
-  if (std::string(encoder.name) == "libx264") check_x264_names(options);
+  const std::string name = encoder.name;
+  if (name == "libx264") check_x264_names(options);
   for (const auto& [key, value] : options) {
-    if (key == "preset") {
+    if (key == "preset" && (name == "libx264" || name == "libx265")) {
       set_named_preset(encoder, dictionary, value);
       continue;
     }

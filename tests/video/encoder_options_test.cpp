@@ -70,6 +70,7 @@ TEST(EncoderOptions, WhatCannotBeIsRefused) {
   refused("a.mp4", with_options("h264", {{"profile", "nonsense"}}), "no profile is called 'nonsense'");
   refused("a.mp4", with_options("h264", {{"preset", "nonsense"}}), "no preset is called 'nonsense'");
   refused("a.mp4", with_options("hevc", {{"tune", "nonsense"}}), "tune=nonsense");
+  refused("a.mkv", with_options("ffv1", {{"preset", "slow"}}), "'ffv1' has no option 'preset'");
   refused("a.mp4", with_options("h264", {}, {{"nonsense", "1"}}), "'mp4' has no option 'nonsense'");
   refused("a.mp4", with_options("h264", {}, {{"movflags", "nonsense"}}), "nonsense");
 }

@@ -47,7 +47,7 @@ class OutputFile {
   /// Flushes, closes and renames. Nothing may be written afterwards.
   void commit();
 
-  /// Where the bytes are until commit(); of effect for what has been flushed.
+  /// Where the bytes are until commit(), but for what write() still holds back.
   const std::filesystem::path& place() const { return part_.empty() ? target_ : part_; }
 
   /// For messages: the path as given, in quotes, or "standard output".
