@@ -28,14 +28,13 @@ std::string escaped(const std::string& text) {
 std::string verbatim(const std::string& text) {
   std::istringstream lines(text);
   std::string result = ".nf\n";
-  for (std::string line; std::getline(lines, line);) result += (line.empty() ? "" : escaped(line)) + "\n";
+  for (std::string line; std::getline(lines, line);) result += escaped(line) + "\n";
   return result + ".fi\n";
 }
 
 std::vector<const CLI::Option*> options_of(const CLI::App& command, const std::string& group) {
-  return command.get_options([&](const CLI::Option* option) {
-    return option->get_group() == group && (option->nonpositional() || !option->get_positional());
-  });
+  return command.get_options(
+      [&](const CLI::Option* option) { return option->get_group() == group && option->nonpositional(); });
 }
 
 /// "-o, --output FILE" and what it does.

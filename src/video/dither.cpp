@@ -65,26 +65,32 @@ Mixture best_mixture(const PaletteEntries& entries, const std::array<float, 3>& 
   return mixture;
 }
 
-/// For the cells that a picture has; others are left empty. The same for the same cell in every picture.
-std::vector<Mixture> mixtures_for(const ColourPixels& pixels, const Palette& palette) {
-  std::vector<bool> has(kColourCells);
-  std::vector<std::size_t> used;
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    if (!pixels.is_seen(i)) continue;
-    const std::size_t cell = cell_of(pixels.colour(i));
-    if (has[cell]) continue;
-    has[cell] = true;
-    used.push_back(cell);
+/// Of the cells that a picture has. The same for the same cell in every picture.
+class Mixtures {
+ public:
+  Mixtures(const ColourPixels& pixels, const Palette& palette) : place_of_(kColourCells, kNowhere) {
+    std::vector<std::size_t> cells;
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      if (!pixels.is_seen(i)) continue;
+      const std::size_t cell = cell_of(pixels.colour(i));
+      if (place_of_[cell] != kNowhere) continue;
+      place_of_[cell] = std::uint32_t(cells.size());
+      cells.push_back(cell);
+    }
+    const PaletteEntries entries(palette);
+    mixtures_.resize(cells.size());
+    parallel_for(cells.size(),
+                 [&](std::size_t i) { mixtures_[i] = best_mixture(entries, centre_of_cell(cells[i])); });
   }
-  const PaletteEntries entries(palette);
-  std::vector<Mixture> mixtures(kColourCells);
-  constexpr std::size_t kBatch = 64;
-  parallel_for((used.size() + kBatch - 1) / kBatch, [&](std::size_t batch) {
-    for (std::size_t i = batch * kBatch; i < std::min(used.size(), (batch + 1) * kBatch); ++i)
-      mixtures[used[i]] = best_mixture(entries, centre_of_cell(used[i]));
-  });
-  return mixtures;
-}
+
+  const Mixture& of(std::size_t cell) const { return mixtures_[place_of_[cell]]; }
+
+ private:
+  static constexpr std::uint32_t kNowhere = ~std::uint32_t{0};
+
+  std::vector<std::uint32_t> place_of_;  ///< by cell
+  std::vector<Mixture> mixtures_;
+};
 
 /// A colour and its index.
 using Entry = std::pair<std::uint32_t, std::size_t>;
@@ -108,7 +114,7 @@ std::size_t exact_entry(const std::vector<Entry>& sorted, const Colour& colour) 
 std::vector<std::uint8_t> dithered(const image::Image& picture, const Palette& palette,
                                    std::span<const std::uint8_t> before) {
   const ColourPixels pixels(picture);
-  const std::vector<Mixture> mixtures = mixtures_for(pixels, palette);
+  const Mixtures mixtures(pixels, palette);
   const std::vector<Entry> sorted = sorted_entries(palette);
   std::vector<std::uint8_t> indices(pixels.size());
   const auto width = std::size_t(picture.width);
@@ -122,7 +128,7 @@ std::vector<std::uint8_t> dithered(const image::Image& picture, const Palette& p
         indices[i] = std::uint8_t(exact);
         continue;
       }
-      const Mixture& mixture = mixtures[cell_of(rounded)];
+      const Mixture& mixture = mixtures.of(cell_of(rounded));
       float threshold = kThresholds[y % kSide * kSide + x % kSide];
       if (!before.empty() && before[i] == mixture.plain) threshold += kHeld;
       if (!before.empty() && before[i] == mixture.other) threshold -= kHeld;

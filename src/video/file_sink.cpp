@@ -204,11 +204,11 @@ class FileSink : public Sink {
       const bool adds = key == "movflags" && value.starts_with('+');
       options.set(key, adds ? options.value(key) + value : value);
     }
-    const ErrorListener listener;
+    const LogListener listener;
     const int result = avformat_write_header(muxer_.get(), options.get());
     io_.rethrow();
     if (result < 0) {
-      const std::string& told = listener.first();
+      const std::string& told = listener.first_error();
       throw Error(ErrorKind::kInvalidArgument, std::string("container '") + container_.name +
                                                    "' does not take " + avcodec_get_name(codec) +
                                                    " video: " + (told.empty() ? error_text(result) : told));

@@ -53,12 +53,12 @@ FilterGraph::FilterGraph(const std::string& text, const AVFrame& first, AVRation
   parse();
 }
 
-void FilterGraph::check(int result, const ErrorListener& listener) const {
+void FilterGraph::check(int result, const LogListener& listener) const {
   if (result == AVERROR(ENOMEM)) throw std::bad_alloc();
   if (result >= 0) return;
   throw Error(ErrorKind::kInvalidArgument,
               "cannot filter with '" + text_ +
-                  "': " + (listener.first().empty() ? error_text(result) : listener.first()));
+                  "': " + (listener.first_error().empty() ? error_text(result) : listener.first_error()));
 }
 
 void FilterGraph::make_ends(const AVFrame& first, AVRational time_base, AVRational rate) {
@@ -67,7 +67,7 @@ void FilterGraph::make_ends(const AVFrame& first, AVRational time_base, AVRation
                       ":pix_fmt=" + std::to_string(format_) + ":time_base=" + ratio(time_base);
   if (aspect.num > 0 && aspect.den > 0) shape += ":pixel_aspect=" + ratio(aspect);
   if (rate.num > 0 && rate.den > 0) shape += ":frame_rate=" + ratio(rate);
-  const ErrorListener listener;
+  const LogListener listener;
   check(library_->graph_create_filter(&source_, library_->get_by_name("buffer"), "in", shape.c_str(), nullptr,
                                       graph_.get()),
         listener);
@@ -79,7 +79,7 @@ void FilterGraph::make_ends(const AVFrame& first, AVRational time_base, AVRation
 void FilterGraph::parse() {
   OpenEnd begin(*library_, "in", source_);
   OpenEnd end(*library_, "out", sink_);
-  const ErrorListener listener;
+  const LogListener listener;
   check(library_->graph_parse(graph_.get(), text_.c_str(), end.get(), begin.get(), nullptr), listener);
   check(library_->graph_config(graph_.get(), nullptr), listener);
 }
@@ -89,13 +89,13 @@ bool FilterGraph::takes(const AVFrame& frame) const {
 }
 
 void FilterGraph::send(FramePtr frame) {
-  const ErrorListener listener;
+  const LogListener listener;
   check(library_->add_frame(source_, frame.get()), listener);
 }
 
 FramePtr FilterGraph::receive() {
   FramePtr frame = new_frame();
-  const ErrorListener listener;
+  const LogListener listener;
   const int result = library_->get_frame(sink_, frame.get());
   if (result == AVERROR(EAGAIN) || result == AVERROR_EOF) return {};
   check(result, listener);

@@ -36,7 +36,7 @@ class FilterGraph {
   };
   void make_ends(const AVFrame& first, AVRational time_base, AVRational rate);
   void parse();
-  void check(int result, const ErrorListener& listener) const;
+  void check(int result, const LogListener& listener) const;
 
   std::string text_;
   const Avfilter* library_;

@@ -22,7 +22,7 @@ std::string Options::unused() const {
 
 namespace {
 
-thread_local ErrorListener* listener = nullptr;  ///< the innermost one
+thread_local LogListener* listener = nullptr;  ///< the innermost one
 
 void count_complaint(void* context) {
   if (context == nullptr) return;
@@ -38,14 +38,14 @@ void hear(void* context, int level, const char* format, va_list arguments) {
 
 }  // namespace
 
-ErrorListener::ErrorListener() : before_(std::exchange(listener, this)) {}
-ErrorListener::~ErrorListener() {
+LogListener::LogListener() : before_(std::exchange(listener, this)) {}
+LogListener::~LogListener() {
   listener = before_;
 }
 
-void ErrorListener::hear(int level, const char* format, va_list arguments) {
+void LogListener::hear(int level, const char* format, va_list arguments) {
   if (level > AV_LOG_WARNING) return;
-  std::string& first = level <= AV_LOG_ERROR ? first_ : first_warning_;
+  std::string& first = level <= AV_LOG_ERROR ? first_error_ : first_warning_;
   if (!first.empty()) return;
   std::array<char, 400> text{};
   std::vsnprintf(text.data(), text.size(), format, arguments);

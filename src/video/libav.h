@@ -80,23 +80,23 @@ using Complaints = std::atomic<std::uint64_t>;
 
 /// Keeps the first error and the first warning that libav tells of in its log, in this thread, while it
 /// lives.
-class ErrorListener {
+class LogListener {
  public:
-  ErrorListener();
-  ~ErrorListener();
-  ErrorListener(const ErrorListener&) = delete;
-  ErrorListener& operator=(const ErrorListener&) = delete;
+  LogListener();
+  ~LogListener();
+  LogListener(const LogListener&) = delete;
+  LogListener& operator=(const LogListener&) = delete;
 
   /// Empty if there was none.
-  const std::string& first() const { return first_; }
+  const std::string& first_error() const { return first_error_; }
   const std::string& first_warning() const { return first_warning_; }
 
   /// A message of libav's; those that tell of no fault are passed over.
   void hear(int level, const char* format, va_list arguments);
 
  private:
-  std::string first_, first_warning_;
-  ErrorListener* before_;
+  std::string first_error_, first_warning_;
+  LogListener* before_;
 };
 
 /// What a negative result of libav means, in words.

@@ -131,11 +131,7 @@ std::array<float, 3> mean_of(const Cell& cell) {
 std::vector<Least> nearest_entries(const Palette& palette, const std::vector<Cell>& cells) {
   const PaletteEntries entries(palette);
   std::vector<Least> nearest(cells.size());
-  constexpr std::size_t kBatch = 256;
-  parallel_for((cells.size() + kBatch - 1) / kBatch, [&](std::size_t batch) {
-    for (std::size_t i = batch * kBatch; i < std::min(cells.size(), (batch + 1) * kBatch); ++i)
-      nearest[i] = nearest_entry(entries, mean_of(cells[i]));
-  });
+  parallel_for(cells.size(), [&](std::size_t i) { nearest[i] = nearest_entry(entries, mean_of(cells[i])); });
   return nearest;
 }
 

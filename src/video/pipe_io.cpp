@@ -44,8 +44,11 @@ PipeIo::~PipeIo() {
 
 void PipeIo::read_all(const std::string& cannot_read) {
   std::array<unsigned char, kBufferBytes> part;
-  for (int got = 0; (got = avio_read(pipe_, part.data(), int(part.size()))) > 0;) {
+  for (;;) {
+    const int got = avio_read(pipe_, part.data(), int(part.size()));
     check_while_working();
+    if (got == 0 || got == AVERROR_EOF) break;
+    if (got < 0) throw Error(ErrorKind::kInput, cannot_read + error_text(got));
     bytes_.insert(bytes_.end(), part.begin(), part.begin() + got);
     if (bytes_.size() > kMostBytes)
       throw Error(ErrorKind::kInput, cannot_read + "a GIF from a pipe may have up to 1 GiB");

@@ -138,9 +138,9 @@ void VideoEncoder::open(const WriteOptions& options) {
   clears_ = name == "gif" && info_.channels % 2 == 0;
   if (clears_) dictionary.set("gifflags", "0");  // whole pictures
   if (name == "hap" && info_.channels % 2 == 0) dictionary.set("format", "hap_alpha");
-  const ErrorListener listener;
+  const LogListener listener;
   const int result = avcodec_open2(encoder_.get(), encoder_->codec, dictionary.get());
-  if (result < 0) throw refused(*encoder_, info_, name, options, result, listener.first());
+  if (result < 0) throw refused(*encoder_, info_, name, options, result, listener.first_error());
   check_options(dictionary, name, options);
   if (!options.encoder_options.empty()) complaint_ = listener.first_warning();
   takes_crf_ = !dictionary.contains("crf");
