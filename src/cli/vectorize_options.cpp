@@ -196,6 +196,7 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
           {"colour_correction", o.colour_correction},
           {"picture_links", o.picture_links},
           {"smooth_corners", o.colour.smooth_corners},
+          {"clear_curves", o.clear_curves},
           {"detect",
            {{"smoothing", o.detect.smoothing},
             {"edge_threshold", o.detect.edge_threshold},

@@ -21,6 +21,8 @@ constexpr std::size_t kArm = 4;
 /// A corner is within so many pixels of where the curve was found, and of where its lines meet.
 constexpr double kFarthest = 3;
 constexpr double kMostChange = 1;
+/// Sine of the angle from a side to what the picture has for it: a blunt wedge fits a corner that is round.
+constexpr double kMostRotation = 0.06;
 /// Whatever turns by so much, in radians, between straight sides is no arc.
 constexpr double kNoArc = 0.9;
 
@@ -96,6 +98,9 @@ bool find_position(const image::Image& image, double most_error, Corner& corner)
   }
   const std::optional<FanFit> fit = fit_fan(image, fan, through);
   if (!fit || fit->error > most_error || norm(fit->fan.tip - start) > kMostChange) return false;
+  for (std::size_t i = 0; i < corner.arms.size(); ++i) {
+    if (std::abs(cross(corner.arms[i].side.away, fit->fan.rays[i])) > kMostRotation) return false;
+  }
   corner.position = fit->fan.tip;
   for (std::size_t i = 0; i < corner.arms.size(); ++i) corner.arms[i].side.away = fit->fan.rays[i];
   corner.error = fit->error + 0.01 * distance_found(corner);

@@ -20,6 +20,23 @@ constexpr double kStuck = 0.5;       // from where the end of a segment should b
 constexpr double kLeastGain = 1e-3;  // of a flip for the flatter of two faces, pixels
 constexpr double kThinnest = 0.05;   // height of faces between features, which no removal can mend; pixels
 
+/// Segments without a knot inside that nothing else holds on to any more are no sound ones (mesh::KnotMesh).
+void give_up_bare(const KnotMesh& mesh, std::vector<bool>& given_up) {
+  std::vector<int> ends_at(mesh.knots.size(), 0);
+  for (std::size_t i = 0; i < given_up.size(); ++i) {
+    if (given_up[i]) continue;
+    ++ends_at[mesh.segments[i].knots.front()];
+    ++ends_at[mesh.segments[i].knots.back()];
+  }
+  for (std::size_t i = 0; i < given_up.size(); ++i) {
+    const auto& knots = mesh.segments[i].knots;
+    const auto is_tip = [&](KnotIndex k) {
+      return ends_at[k] == 1 && !on_side(mesh, mesh.knots[k].position);
+    };
+    if (knots.size() == 2 && is_tip(knots.front()) && is_tip(knots.back())) given_up[i] = true;
+  }
+}
+
 /// Gives segments up whose ends cannot stay inside the domain; their knots become free where nothing else
 /// holds them.
 /// @param kept_indices of the segments that are left, in order.
@@ -35,12 +52,16 @@ KnotMesh without_leaving_segments(const KnotMesh& mesh, std::span<const Vec2> ta
     };
     return axis(p.x, t.x, mesh.width) || axis(p.y, t.y, mesh.height);
   };
+  std::vector<bool> given_up(mesh.segments.size());
+  for (std::size_t i = 0; i < given_up.size(); ++i) {
+    const auto& knots = mesh.segments[i].knots;
+    given_up[i] = (!lost.empty() && lost[i]) || leaves(knots.front()) || leaves(knots.back());
+  }
+  give_up_bare(mesh, given_up);
   KnotMesh result = mesh;
   result.segments.clear();
-  for (std::size_t i = 0; i < mesh.segments.size(); ++i) {
-    const auto& knots = mesh.segments[i].knots;
-    const bool given_up = (!lost.empty() && lost[i]) || leaves(knots.front()) || leaves(knots.back());
-    if (given_up) continue;
+  for (std::size_t i = 0; i < given_up.size(); ++i) {
+    if (given_up[i]) continue;
     result.segments.push_back(mesh.segments[i]);
     kept_indices.push_back(i);
   }

@@ -7,6 +7,7 @@
 #include "knotreel/features/corners.h"
 #include "knotreel/features/flat_share.h"
 #include "knotreel/features/prefer_points.h"
+#include "knotreel/features/side_ends.h"
 #include "knotreel/features/space_points.h"
 #include "knotreel/fit/squared_errors.h"
 #include "knotreel/param/parametrized_image.h"
@@ -21,6 +22,8 @@ using mesh::EditableMesh;
 
 // Of the control points, for features with finer polylines.
 constexpr double kShareOfFine = 0.6;
+
+constexpr double kShortSegment = 3;  // pixels
 
 /// Without noise, which thresholds are there for, faint edges are edges, too.
 features::DetectOptions detect_options(const Options& options, bool drawing) {
@@ -129,8 +132,10 @@ class Mapping {
     log_.report.corners = 0;
     if (!mapped_.has_features()) return;
     if (options_.fairing) features::fair_chains(mapped_.faired, options_.fair);
-    if (options_.corner_detection)
+    if (options_.corner_detection) {
       log_.report.corners = features::sharpen_corners(picture_, mapped_.faired, options_.corners);
+      features::prefer_side_ends(mapped_.faired);
+    }
     log_.progress.faired = &mapped_.faired;
     log_.lap("fair");
     log_.show("fairing");
@@ -145,11 +150,15 @@ class Mapping {
     log_.show("correction");
   }
 
+  mesh::KnotMesh mesh_of(const param::Parametrization& parametrization) const {
+    return initial_mesh(parametrization, options_.segment_knot_spacing,
+                        options_.clear_curves ? kShortSegment : 0);
+  }
+
   /// About; 0 if the polylines make no sound mesh. Nearly what it is in the end, and known without the map.
   double functions_of_polylines() const {
     try {
-      const mesh::KnotMesh mesh =
-          initial_mesh(param::first_polylines(mapped_.faired, parametrize_), options_.segment_knot_spacing);
+      const mesh::KnotMesh mesh = mesh_of(param::first_polylines(mapped_.faired, parametrize_));
       return expected_functions(EditableMesh(mesh), options_.degree);
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::kInvalidArgument) throw;
@@ -169,7 +178,7 @@ class Mapping {
     mapped_.parametrization.height = picture_.height;
     log_.report.polyline_vertices = mapped_.parametrization.vertices.size();
     try {
-      mapped_.knots = initial_mesh(mapped_.parametrization, options_.segment_knot_spacing);
+      mapped_.knots = mesh_of(mapped_.parametrization);
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::kInvalidArgument) throw;
       return false;
@@ -204,7 +213,7 @@ class Mapping {
       mapped_.parametrization = {};
       mapped_.parametrization.width = picture_.width;
       mapped_.parametrization.height = picture_.height;
-      mapped_.knots = initial_mesh(mapped_.parametrization, options_.segment_knot_spacing);
+      mapped_.knots = mesh_of(mapped_.parametrization);
       return;
     }
     mapped_.image_mesh = features::make_image_mesh(mapped_.faired);
@@ -217,7 +226,7 @@ class Mapping {
     log_.lap("parametrize");
     log_.show("parametrization");
     try {
-      mapped_.knots = initial_mesh(mapped_.parametrization, options_.segment_knot_spacing);
+      mapped_.knots = mesh_of(mapped_.parametrization);
     } catch (const Error& e) {
       if (e.kind() != ErrorKind::kInvalidArgument || mapped_.parametrization.polylines.empty()) throw;
       drop_features();

@@ -96,6 +96,7 @@ Options video_options(Options picture) {
   picture.drawn_weak_share = picture.weak_share;
   // The frames behind bend their curves to their edges, which are round there (docs/decisions/0039).
   picture.corner_detection = false;
+  picture.clear_curves = false;
   picture.drawn_distance = picture.parametrize.polyline_distance;
   // The frames behind are not fitted so: it would take a tenth of their time (docs/decisions/0038).
   picture.mixed_weight = 0;

@@ -7,6 +7,7 @@
 #include "knotreel/knots/idle_knots.h"
 #include "knotreel/knots/link_choice.h"
 #include "knotreel/knots/refine.h"
+#include "vectorize/clear_tangents.h"
 #include "vectorize/first_knots.h"
 
 namespace knotreel::vectorize {
@@ -21,6 +22,9 @@ constexpr knots::SwapOptions kSwap{.ratio = 10, .share = 0.1};
 
 // Of the knots that fit into the bound: how many functions each brings is a guess.
 constexpr double kShareOfWanted = 0.98;
+
+// Of the knots, as many more at most make room for curves.
+constexpr double kShareBesideCurves = 0.2;
 
 }  // namespace
 
@@ -119,6 +123,12 @@ void Rounds::keep_bound(bool last_round) {
 }
 
 void Rounds::fit(bool last_round) {
+  if (samples_.has_features() && options_.clear_curves) {
+    clear_tangents(*mesh_, target_, samples_.curves(), samples_.curve_segments(),
+                   static_cast<std::size_t>(kShareBesideCurves * static_cast<double>(mesh_->knot_count())),
+                   options_.optimise.min_distance);
+    log_.lap("tangents");
+  }
   make_space(last_round);
   keep_bound(last_round);
   log_.lap("links");

@@ -15,12 +15,13 @@ constexpr std::ptrdiff_t kLeastPoints = 4;
 constexpr double kMostTurn = 0.6;  // radians from the chord before to the one behind
 constexpr double kNoise = 0.02;    // pixels, of points: that much may speak for a corner
 
-/// Pixels where the curves have corners, ascending.
-std::vector<std::int32_t> corner_pixels(const features::FeatureChains& chains) {
+/// Pixels where the curves have corners, or are rounded, ascending.
+std::vector<std::int32_t> pixels_with(bool features::ChainPoint::*mark,
+                                      const features::FeatureChains& chains) {
   std::vector<std::int32_t> pixels;
   for (const features::Chain& chain : chains.chains) {
     for (const features::ChainPoint& p : chain.points) {
-      if (p.corner) pixels.push_back(p.y * chains.width + p.x);
+      if (p.*mark) pixels.push_back(p.y * chains.width + p.x);
     }
   }
   std::sort(pixels.begin(), pixels.end());
@@ -86,16 +87,19 @@ class Curve {
 
 std::vector<std::uint8_t> smooth_vertices(const param::Parametrization& map,
                                           const features::FeatureChains& chains) {
-  const std::vector<std::int32_t> corners = corner_pixels(chains);
+  const std::vector<std::int32_t> corners = pixels_with(&features::ChainPoint::corner, chains);
+  const std::vector<std::int32_t> rounded = pixels_with(&features::ChainPoint::rounded, chains);
+  const auto is_in = [](const std::vector<std::int32_t>& pixels, std::int32_t pixel) {
+    return std::binary_search(pixels.begin(), pixels.end(), pixel);
+  };
   const std::span<const param::CurveSample> all = map.curve_samples;
   std::vector<std::uint8_t> smooth(all.size(), 0);
   for (std::size_t begin = 0, end = 0; begin < all.size(); begin = end) {
     while (end < all.size() && all[end].polyline == all[begin].polyline) ++end;
     const Curve curve(all.subspan(begin, end - begin), map.polylines[all[begin].polyline].closed);
     for (std::size_t i = begin; i < end; ++i) {
-      const bool is_vertex =
-          all[i].t == 0 && !std::binary_search(corners.begin(), corners.end(), all[i].pixel);
-      smooth[i] = is_vertex && curve.is_smooth_at(i - begin) ? 1 : 0;
+      if (all[i].t != 0 || is_in(corners, all[i].pixel)) continue;
+      smooth[i] = is_in(rounded, all[i].pixel) || curve.is_smooth_at(i - begin) ? 1 : 0;
     }
   }
   return smooth;

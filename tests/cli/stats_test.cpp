@@ -85,6 +85,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "colour_correction",
                                  "picture_links",
                                  "smooth_corners",
+                                 "clear_curves",
                                  "detect",
                                  "drawn_blur",
                                  "drawn_distance",

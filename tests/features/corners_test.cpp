@@ -129,16 +129,19 @@ TEST(Corners, RoundedOnesStayRound) {
   // Squares whose corners are round. Those of the smallest radius are between straight sides as near as those
   // of sharp ones: the picture tells.
   for (const double radius : {2.2, 3.0, 5.0}) {
-    const image::Image picture = draw(80, 80, [=](double x, double y) {
-      const double u = std::max(0.0, std::abs(0.8 * (x - 40) + 0.6 * (y - 40)) - 20 + radius);
-      const double v = std::max(0.0, std::abs(-0.6 * (x - 40) + 0.8 * (y - 40)) - 20 + radius);
-      return std::hypot(u, v) < radius ? 30.0 : 210.0;
-    });
-    FeatureChains chains = curves_of(picture);
-    const auto before = chains.chains.at(0).points;
-    EXPECT_EQ(sharpen_corners(picture, chains), 0U) << radius;
-    for (std::size_t i = 0; i < before.size(); ++i)
-      EXPECT_EQ(chains.chains[0].points[i].on_curve(), before[i].position);
+    for (const Vec2 along : {Vec2{0.8, 0.6}, Vec2{1, 0}}) {
+      const image::Image picture = draw(80, 80, [=](double x, double y) {
+        const Vec2 p{x - 40, y - 40};
+        const double u = std::max(0.0, std::abs(dot(along, p)) - 20 + radius);
+        const double v = std::max(0.0, std::abs(cross(along, p)) - 20 + radius);
+        return std::hypot(u, v) < radius ? 30.0 : 210.0;
+      });
+      FeatureChains chains = curves_of(picture);
+      const auto before = chains.chains.at(0).points;
+      EXPECT_EQ(sharpen_corners(picture, chains), 0U) << radius << ", " << along.x;
+      for (std::size_t i = 0; i < before.size(); ++i)
+        EXPECT_EQ(chains.chains[0].points[i].on_curve(), before[i].position);
+    }
   }
 }
 

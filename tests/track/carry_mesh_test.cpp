@@ -231,6 +231,28 @@ TEST(CarryMesh, LostSegmentsBecomeOrdinaryKnots) {
   }
 }
 
+/// What is left of a polyline must be as sound as the whole: a segment between two tips needs a knot inside.
+TEST(CarryMesh, BareSegmentsGoWithTheirNeighbours) {
+  testing::MeshBuilder b(100, 100);
+  std::vector<mesh::KnotIndex> vertices;
+  for (const Vec2 p : {Vec2{20, 40}, {40, 42}, {42, 43}, {60, 50}, {80, 50}})
+    vertices.push_back(b.vertex(p.x, p.y));
+  for (std::size_t i = 0; i + 1 < vertices.size(); ++i)
+    b.segment(vertices[i], vertices[i + 1], i % 2 == 0 ? 1 : 0);
+  const KnotMesh mesh = b.triangulated();
+  const std::vector<Vec2> targets = knot_targets(mesh, std::vector<Vec2>(mesh.knots.size()));
+  for (const std::vector<std::uint8_t>& lost :
+       std::vector<std::vector<std::uint8_t>>{{1, 0, 1, 0}, {1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}) {
+    CarryReport report;
+    const KnotMesh carried = carry_mesh(mesh, targets, lost, {}, &report);
+    const auto defect = mesh::find_defect(carried);
+    EXPECT_FALSE(defect) << *defect;
+    const bool both = lost[0] && lost[2];
+    const bool last = lost[2];
+    EXPECT_EQ(report.segments_dropped, both ? 4U : last ? 2U : 1U);
+  }
+}
+
 TEST(CarryMesh, TargetsKeepKnotsOnTheirLines) {
   for (const auto& c : testing::random_cases(15, 20)) {
     const std::vector<Vec2> targets = knot_targets(c.mesh, whirl(c.mesh, 3, 2));

@@ -303,7 +303,7 @@ TEST(Vectorize, AnySizeAndAnyChannels) {
   constexpr std::pair<int, int> kSizes[] = {{1, 1}, {1, 7}, {9, 1}, {2, 2}, {3, 3}, {2, 40}, {17, 13}};
   for (const auto& [width, height] : kSizes) {
     for (int channels = 1; channels <= 4; ++channels) {
-      SCOPED_TRACE(testing::Message() << width << " x " << height << " x " << channels);
+      SCOPED_TRACE(::testing::Message() << width << " x " << height << " x " << channels);
       const image::Image picture = test::random_8bit_picture(width, height, channels, 5);
       const Vectorization v = vectorize_picture(picture);
       expect_sound(v, picture);
@@ -314,7 +314,7 @@ TEST(Vectorize, AnySizeAndAnyChannels) {
   }
 }
 
-class BoundOnControlPoints : public testing::TestWithParam<int> {};
+class BoundOnControlPoints : public ::testing::TestWithParam<int> {};
 
 TEST_P(BoundOnControlPoints, HoldsForPicturesThatAreAllEdges) {
   const int kind = GetParam();
@@ -343,7 +343,7 @@ TEST_P(BoundOnControlPoints, HoldsForPicturesThatAreAllEdges) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(Kinds, BoundOnControlPoints, testing::Values(0, 1, 2, 3));
+INSTANTIATE_TEST_SUITE_P(Kinds, BoundOnControlPoints, ::testing::Values(0, 1, 2, 3));
 
 TEST(Vectorize, LineArtKeepsAllItsLinesIfTheyFit) {
   const image::Image picture = draw(240, 180, 3, [](double x, double y) {
@@ -544,6 +544,7 @@ TEST(Vectorize, CornersStaySharpWhenEnlarged) {
 TEST(Vectorize, VideosHaveNoCornersOfTheirOwn) {
   EXPECT_TRUE(Options{}.corner_detection);
   EXPECT_FALSE(video_options({}).corner_detection);
+  EXPECT_FALSE(video_options({}).clear_curves);
   EXPECT_GT(Options{}.drawn_weak_share, Options{}.weak_share);
   EXPECT_EQ(video_options({}).drawn_weak_share, video_options({}).weak_share);
 }
@@ -558,6 +559,7 @@ TEST(VideoOptions, DrawnFramesHaveWhatPicturesHaveButForFaintAndWeakFeatures) {
   picture.mec = 1.5;
   const Options drawn = drawn_video_options(picture);
   EXPECT_TRUE(drawn.corner_detection);
+  EXPECT_TRUE(drawn.clear_curves);
   EXPECT_EQ(drawn.mixed_weight, picture.mixed_weight);
   EXPECT_EQ(drawn.feature_share, picture.feature_share);
   EXPECT_EQ(drawn.mec, 1.5);

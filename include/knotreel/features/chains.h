@@ -19,6 +19,8 @@ struct ChainPoint {
   Vec2 beyond{};  ///< on from there to the curve, where that is further away: at sharp corners
   bool corner = false;  ///< the curve has a sharp corner here, or several meet (sharpen_corners())
 
+  bool rounded = false;  ///< the curve is an arc here, between straight stretches (prefer_side_ends())
+
   bool preferred = false;  ///< a polyline of the frame before had a vertex here, which may as well stay
 
   Vec2 on_curve() const { return position + beyond; }

@@ -75,6 +75,9 @@ struct Options {
   double drawn_distance = 0.7;
   /// One to three simple knots per feature segment, about this far apart, > 0.
   double segment_knot_spacing = 12;
+  /// Curves have room: segments of less than three pixels have no knots inside, and edges of the mesh leave
+  /// the ends of others beside the curve, not along it (docs/decisions/0043).
+  bool clear_curves = true;
 
   knots::OptimiseOptions optimise{.rounds = 1, .steps = 4};
   fit::ColourFitOptions colour{.precision = fit::Precision::kSingle};
