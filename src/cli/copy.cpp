@@ -13,6 +13,7 @@
 #include "cli/interrupt.h"
 #include "cli/part_options.h"
 #include "cli/pictures.h"
+#include "cli/printable.h"
 #include "cli/video_options.h"
 #include "cli/video_report.h"
 #include "cli/video_run.h"
@@ -87,8 +88,8 @@ std::string summary_text(const CopyArguments& arguments, std::size_t documents,
                          const pipeline::CopySummary& summary) {
   const std::string from = documents > 1 ? fmt::format(" of {} documents", documents) : "";
   if (arguments.output.empty())
-    return fmt::format("{}: {} frames{}\n", arguments.split_folder, summary.frames, from);
-  return fmt::format("{}: {} frames{}, {} bytes\n", arguments.output, summary.frames, from,
+    return fmt::format("{}: {}{}\n", arguments.split_folder, counted(summary.frames, "frame"), from);
+  return fmt::format("{}: {}{}, {} bytes\n", arguments.output, counted(summary.frames, "frame"), from,
                      summary.document_bytes);
 }
 

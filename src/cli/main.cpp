@@ -5,6 +5,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <vector>
 
 #include "cli/command.h"
 #include "cli/completion.h"
@@ -12,6 +13,7 @@
 #include "cli/interrupt.h"
 #include "cli/manual.h"
 #include "cli/standard_error.h"
+#include "cli/suggestion.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
 #include "knotreel/base/output_file.h"
@@ -38,6 +40,26 @@ Videos: all that libav reads and writes. Pictures: PNG, JPEG, TIFF, WebP, BMP, P
 Exit codes: 0 done, 2 wrong usage, 3 input unreadable or corrupt, 4 output cannot be written,
 130 interrupted, 1 anything else. An error is one line on standard error.)";
 
+/// What is wrong with the first argument that a command could not use.
+std::string unused_argument(const CLI::App& command) {
+  const std::vector<std::string> left = command.remaining();
+  const auto is_option = [](const std::string& argument) {
+    return argument.size() > 1 && argument[0] == '-';
+  };
+  const auto option = std::find_if(left.begin(), left.end(), is_option);
+  if (option == left.end()) {
+    const CLI::Option* const output = command.get_option_no_throw("--output");
+    return "'" + left.front() + "' is one argument too many" +
+           (output && output->count() == 0 ? "; -o names the output" : "");
+  }
+  std::vector<std::string> names;
+  for (const CLI::Option* o : command.get_options()) {
+    for (const std::string& name : o->get_lnames()) names.push_back("--" + name);
+  }
+  const std::string name = option->substr(0, option->find('='));
+  return "there is no option '" + name + "'" + cli::suggestion(name, names);
+}
+
 void run(int argc, char** argv) {
   CLI::App program(
       "Turns videos and pictures into smooth vector graphics (TCB-spline surfaces), and those into\n"
@@ -63,8 +85,10 @@ void run(int argc, char** argv) {
   const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
   const bool has_command = argc > 1 && argv[1][0] != '-';
   if (has_command && std::none_of(commands.begin(), commands.end(), named)) {
-    throw Error(ErrorKind::kInvalidArgument,
-                "there is no command '" + std::string(argv[1]) + "' (see knotreel --help)");
+    std::vector<std::string> names;
+    for (const CLI::App* command : cli::shown_commands(program)) names.push_back(command->get_name());
+    throw Error(ErrorKind::kInvalidArgument, "there is no command '" + std::string(argv[1]) + "'" +
+                                                 cli::suggestion(argv[1], names) + " (see knotreel --help)");
   }
   try {
     program.parse(argc, argv);
@@ -73,10 +97,12 @@ void run(int argc, char** argv) {
   } catch (const CLI::CallForHelp&) {
     cli::write_text("-", program.help());  // of the subcommand, if one was named
   } catch (const CLI::ParseError& e) {
+    const CLI::App* const command = has_command ? program.get_subcommand(argv[1]) : nullptr;
+    const bool has_extras = command && dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr;
     const std::string message = e.what();
-    const std::string command = has_command ? argv[1] + std::string(" ") : "";
     throw Error(ErrorKind::kInvalidArgument,
-                message.substr(0, message.find('\n')) + " (see knotreel " + command + "--help)");
+                (has_extras ? unused_argument(*command) : message.substr(0, message.find('\n'))) +
+                    " (see knotreel " + (command ? command->get_name() + " " : "") + "--help)");
   }
 }
 

@@ -13,4 +13,8 @@ std::string printable(std::string text) {
   return text;
 }
 
+std::string counted(std::uint64_t count, const std::string& thing) {
+  return std::to_string(count) + " " + thing + (count == 1 ? "" : "s");
+}
+
 }  // namespace knotreel::cli

@@ -70,8 +70,8 @@ std::vector<std::string> missing_frames(const VideoRun& run, const pipeline::Sum
   if (wanted.empty() || summary.stopped) return {};
   const FrameRange range = parse_frames(wanted);
   if (!range.last || summary.frames > *range.last - range.first) return {};
-  return {fmt::format("--frames {}: the video ends after {} of these {} frames", wanted, summary.frames,
-                      *range.last - range.first + 1)};
+  return {fmt::format("--frames {}: the video ends after {} of these {}", wanted, summary.frames,
+                      counted(*range.last - range.first + 1, "frame"))};
 }
 
 pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
@@ -176,17 +176,18 @@ pipeline::Summary run_video(const VideoRun& run) {
 }
 
 std::string summary_text(const std::string& output, const pipeline::Summary& s) {
-  std::string text =
-      fmt::format("{}: {} frames in {:.1f} s ({:.2f} fps), busy {:.2f} of {} cores", printable(output),
-                  s.frames, s.seconds, s.fps, s.cpu_seconds / s.seconds, std::thread::hardware_concurrency());
-  if (s.keyframes > 0) text += fmt::format(", {} keyframes, PSNR {}", s.keyframes, psnr_text(s.psnr));
+  std::string text = fmt::format("{}: {} in {:.1f} s ({:.2f} fps), busy {:.2f} of {}", printable(output),
+                                 counted(s.frames, "frame"), s.seconds, s.fps, s.cpu_seconds / s.seconds,
+                                 counted(std::thread::hardware_concurrency(), "core"));
+  if (s.keyframes > 0)
+    text += fmt::format(", {}, PSNR {}", counted(s.keyframes, "keyframe"), psnr_text(s.psnr));
   return text + fmt::format(", {:.0f} knots and {:.0f} control points per frame, {} bytes as document\n",
                             s.knots, s.control_points, s.document_bytes);
 }
 
 void throw_stopped(std::uint64_t frames) {
-  throw Error(ErrorKind::kInterrupted,
-              fmt::format("interrupted after {} frames; the outputs hold them whole", frames));
+  throw Error(ErrorKind::kInterrupted, fmt::format("interrupted after {}; the outputs hold {} whole",
+                                                   counted(frames, "frame"), frames == 1 ? "it" : "them"));
 }
 
 void check_stopped(const pipeline::Summary& summary) {

@@ -85,6 +85,35 @@ TEST(Cli, WrongUsageNamesTheHelpOfTheCommand) {
   EXPECT_NE(error({"compare", "x", "y", "--bogus"}).find("(see knotreel compare --help)"), std::string::npos);
 }
 
+TEST(Cli, SlipsOfTheFingersAreGuessed) {
+  const auto message = [](const std::vector<std::string>& arguments) {
+    const auto result = test::knotreel(arguments);
+    expect_failure(result, 2);
+    return result.err;
+  };
+  EXPECT_EQ(message({"vectorise", "a.png"}),
+            "knotreel: there is no command 'vectorise'; did you mean 'vectorize'? (see knotreel --help)\n");
+  EXPECT_EQ(message({"render", "a.tcb", "--sacle", "2"}),
+            "knotreel: there is no option '--sacle'; did you mean '--scale'? (see knotreel render --help)\n");
+  EXPECT_EQ(
+      message({"transcode", "a.mp4", "--scael=2"}),
+      "knotreel: there is no option '--scael'; did you mean '--scale'? (see knotreel transcode --help)\n");
+  EXPECT_EQ(message({"transcode", "a.mp4", "--frobnicate"}),
+            "knotreel: there is no option '--frobnicate' (see knotreel transcode --help)\n");
+  EXPECT_EQ(message({"frobnicate"}), "knotreel: there is no command 'frobnicate' (see knotreel --help)\n");
+  EXPECT_EQ(message({std::string(100000, 'x')}).find("mean"), std::string::npos);
+}
+
+TEST(Cli, ArgumentsTooManyAreNamed) {
+  const auto two = test::knotreel({"render", "a.tcb", "b.png"});
+  expect_failure(two, 2);
+  EXPECT_EQ(two.err,
+            "knotreel: 'b.png' is one argument too many; -o names the output (see knotreel render --help)\n");
+  const auto three = test::knotreel({"vectorize", "a.png", "b.png", "-o", "c.tcb"});
+  expect_failure(three, 2);
+  EXPECT_EQ(three.err, "knotreel: 'b.png' is one argument too many (see knotreel vectorize --help)\n");
+}
+
 TEST(Cli, WrongUsageIsExit2) {
   const std::vector<std::vector<std::string>> cases{
       {},

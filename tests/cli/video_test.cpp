@@ -112,6 +112,14 @@ TEST_F(CliVideo, SmallVideosHaveMoreControlPointsAndDrawnOnesMore) {
   EXPECT_GT(test::json_psnr(drawn), test::json_psnr(film) + 6);
 }
 
+TEST_F(CliVideo, OneFrameIsNotCalledFrames) {
+  image::write_image(path("in_1.png"), test::moving_picture(48, 32, 3, 0));
+  const auto result = knotreel({"vectorize", path("in_%d.png"), "-o", document_, "--preset", "fast"});
+  expect_success(result);
+  EXPECT_NE(result.out.find(": 1 frame in "), std::string::npos) << result.out;
+  EXPECT_NE(result.out.find(", 1 keyframe, "), std::string::npos) << result.out;
+}
+
 TEST_F(CliVideo, AllWildcardsMeanPictures) {
   for (const char* name : {"in_1.png", "in_2.png", "in_[3].png"}) {
     image::write_image(path(name), test::moving_picture(48, 32, 3, 0));
