@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
-#include <optional>
 #include <vector>
 
 #include "knotreel/base/parallel.h"
@@ -23,7 +22,7 @@ constexpr Index kCorner = 6;               // points between stretches that may 
 constexpr double kBlunt = 1.05;            // ... of less than this turn, radians
 constexpr Index kStep = 2;                 // points, between which turns are told
 constexpr double kUneven = 2;              // times the mean turn that an arc turns by at most
-constexpr Index kFromCorners = 4;          // points
+constexpr Index kFromCorners = 4;          // points: what is nearer to a sharp corner belongs to it
 
 /// A line through points, and how far they are from it.
 struct Line {

@@ -1,10 +1,9 @@
 #include "vectorize/clear_tangents.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <limits>
 #include <optional>
+#include <utility>
 #include <vector>
 
 namespace knotreel::vectorize {
@@ -24,7 +23,6 @@ constexpr double kSmooth = 0.3;         // cosine: what turns more is no joint
 constexpr double kMostTurn = 0.5;  // radians, from an edge to the knot beside it; or from chord to tangent
 constexpr double kShortest = 1.5;  // pixels, to that knot
 constexpr double kHarm = 1;        // squared levels per pixel, that a flip may cost
-constexpr int kMostRounds = 3;     // over all vertices
 constexpr int kMostEdges = 10;     // that are mended around a vertex
 
 Vec2 unit(Vec2 v) {
