@@ -62,6 +62,14 @@ std::vector<std::string> options_given(const CLI::App& command, const std::strin
   return names;
 }
 
+std::vector<std::string> long_names(const CLI::App& command) {
+  std::vector<std::string> names;
+  for (const CLI::Option* option : command.get_options()) {
+    for (const std::string& name : option->get_lnames()) names.push_back("--" + name);
+  }
+  return names;
+}
+
 void write_text(const std::string& path, const std::string& text) {
   OutputFile file(path);
   file.write(text);

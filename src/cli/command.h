@@ -47,6 +47,9 @@ void warn_of(const std::string& path, const std::vector<std::string>& messages);
 /// The names of the options of a group of the help that were given.
 std::vector<std::string> options_given(const CLI::App& command, const std::string& group);
 
+/// "--output" and so on, of all options of a command.
+std::vector<std::string> long_names(const CLI::App& command);
+
 /// "knotreel 0.1.0 (OpenCV ..., ...)".
 std::string version_text();
 

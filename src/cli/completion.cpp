@@ -1,16 +1,14 @@
 #include "cli/completion.h"
 
+#include <fmt/format.h>
+
 #include "cli/command.h"
 
 namespace knotreel::cli {
 namespace {
 
 std::string names_of_options(const CLI::App& command) {
-  std::string names;
-  for (const CLI::Option* option : command.get_options()) {
-    for (const std::string& name : option->get_lnames()) names += (names.empty() ? "--" : " --") + name;
-  }
-  return names;
+  return fmt::format("{}", fmt::join(long_names(command), " "));
 }
 
 std::string names_of_commands(const CLI::App& program) {

@@ -52,12 +52,8 @@ std::string unused_argument(const CLI::App& command) {
     return "'" + left.front() + "' is one argument too many" +
            (output && output->count() == 0 ? "; -o names the output" : "");
   }
-  std::vector<std::string> names;
-  for (const CLI::Option* o : command.get_options()) {
-    for (const std::string& name : o->get_lnames()) names.push_back("--" + name);
-  }
   const std::string name = option->substr(0, option->find('='));
-  return "there is no option '" + name + "'" + cli::suggestion(name, names);
+  return "there is no option '" + name + "'" + cli::suggestion(name, cli::long_names(command));
 }
 
 void run(int argc, char** argv) {

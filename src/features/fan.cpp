@@ -76,13 +76,9 @@ double share_between(Vec2 tip, Vec2 from, Vec2 to, double left, double top) {
 }
 
 /// 0..2 pi.
-double angle_between(Vec2 from, Vec2 to) {
-  const double angle = std::atan2(cross(from, to), dot(from, to));
+double angle_on(Vec2 from, Vec2 to) {
+  const double angle = angle_between(from, to);
   return angle < 0 ? angle + 2 * std::numbers::pi : angle;
-}
-
-Vec2 turned(Vec2 v, double angle) {
-  return {std::cos(angle) * v.x - std::sin(angle) * v.y, std::sin(angle) * v.x + std::cos(angle) * v.y};
 }
 
 /// @param change  of the tip, and of the angle of each ray
@@ -100,7 +96,7 @@ bool is_sound(const Fan& fan) {
   for (std::size_t i = 0; i < fan.rays.size(); ++i) {
     const Vec2 from = fan.rays[i];
     const Vec2 to = fan.rays[(i + 1) % fan.rays.size()];
-    const double angle = angle_between(from, to);
+    const double angle = angle_on(from, to);
     if (angle < kLeastAngle) return false;
     all += angle;
     wide += cross(from, to) <= 0 ? 1 : 0;

@@ -159,7 +159,7 @@ class Marker {
 
   double turn(Index i, Index steps) const {
     const Vec2 before = at(i) - at(i - steps), behind = at(i + steps) - at(i);
-    return std::atan2(cross(before, behind), dot(before, behind));
+    return angle_between(before, behind);
   }
 
   /// Whether the curve turns evenly between two points.

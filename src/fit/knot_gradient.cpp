@@ -46,7 +46,7 @@ std::vector<Directions> free_directions(const mesh::KnotMesh& mesh, std::span<co
   for (const mesh::FeatureSegment& s : mesh.segments) {
     const Vec2 along = mesh.knots[s.knots.back()].position - mesh.knots[s.knots.front()].position;
     for (std::size_t i = 1; i + 1 < s.knots.size(); ++i) {
-      result[s.knots[i]] = {1, {(1 / norm(along)) * along, Vec2{}}};
+      result[s.knots[i]] = {1, {unit(along), Vec2{}}};
     }
   }
   for (KnotIndex k = 0; k < wanted.size(); ++k) {

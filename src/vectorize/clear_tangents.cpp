@@ -25,18 +25,6 @@ constexpr double kShortest = 1.5;  // pixels, to that knot
 constexpr double kHarm = 1;        // squared levels per pixel, that a flip may cost
 constexpr int kMostEdges = 10;     // that are mended around a vertex
 
-Vec2 unit(Vec2 v) {
-  return (1 / norm(v)) * v;
-}
-
-double angle_from(Vec2 a, Vec2 b) {
-  return std::atan2(cross(a, b), dot(a, b));
-}
-
-Vec2 turned(Vec2 v, double angle) {
-  return {std::cos(angle) * v.x - std::sin(angle) * v.y, std::sin(angle) * v.x + std::cos(angle) * v.y};
-}
-
 /// Of a curve at the end of a segment; unit vectors, away from there.
 struct Tangent {
   Vec2 chord;  ///< along the segment
@@ -98,7 +86,7 @@ class Tangents {
     const Vec2 near = farther(std::min(kTangentReach, length / 3));
     const Vec2 far = farther(2 * norm(near));
     const double more = norm(far) - norm(near);
-    const double turn = more > 0 ? angle_from(far, near) * norm(near) / more : 0;
+    const double turn = more > 0 ? angle_between(far, near) * norm(near) / more : 0;
     at_[from].push_back({unit(mesh_.position(to) - mesh_.position(from)),
                          turned(unit(near), std::clamp(turn, -kMostTurn, kMostTurn))});
   }
@@ -153,10 +141,10 @@ class Clearer {
     if (from >= tangents_.size()) return least;
     const Vec2 edge = mesh_.position(to) - mesh_.position(from);
     for (const Tangent& t : tangents_[from]) {
-      const double off = angle_from(t.chord, edge);
+      const double off = angle_between(t.chord, edge);
       if (std::abs(off) > kFarAngle) continue;
       const double side = off > 0 ? 1 : -1;
-      const double angle = side * angle_from(t.along, edge);
+      const double angle = side * angle_between(t.along, edge);
       if (!least || angle < least->angle) least = Crowded{from, to, angle, side};
     }
     return least;
@@ -197,12 +185,11 @@ class Clearer {
     const KnotIndex p = apex(edge);
     const KnotIndex q = apex(other);
     if (!is_clear(p, q) || !is_clear(q, p)) return false;
-    const auto error = [&](Edge e) { return target_.error(mesh_.triangle(e.face)); };
-    const auto weight = [&](Edge e) { return target_.moments(mesh_.triangle(e.face)).w; };
-    const double before = error(edge) + error(other);
-    const double allowed = before + kHarm * (weight(edge) + weight(other));
+    const auto fit = [&](Edge e) { return target_.fit(mesh_.triangle(e.face)); };
+    const knots::LinearFit before[] = {fit(edge), fit(other)};
+    const double allowed = before[0].error + before[1].error + kHarm * (before[0].weight + before[1].weight);
     const Edge flipped = mesh_.flip(edge);
-    if (error(flipped) + error(mesh_.mirror(flipped)) <= allowed) return true;
+    if (fit(flipped).error + fit(mesh_.mirror(flipped)).error <= allowed) return true;
     mesh_.flip(flipped);
     return false;
   }
@@ -216,7 +203,7 @@ class Clearer {
     const Vec2 along = mesh_.position(crowded.to) - a;
     if (crowded.side * cross(along, mesh_.position(apex(edge)) - a) < 0) edge = mesh_.mirror(edge);
     const Vec2 far = mesh_.position(apex(edge)) - a;
-    const double room = crowded.side * angle_from(along, far);
+    const double room = crowded.side * angle_between(along, far);
     if (!(room > 0)) return false;
     const double turn = std::min(room / 2, kMostTurn);
     if (crowded.angle + turn < kLeastAngle) return false;

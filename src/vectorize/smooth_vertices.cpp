@@ -59,14 +59,14 @@ class Curve {
 
   double turn(std::ptrdiff_t i, const Reach& reach) const {
     const Vec2 before = point(i) - point(i - reach.before), behind = point(i + reach.behind) - point(i);
-    return std::abs(std::atan2(cross(before, behind), dot(before, behind)));
+    return std::abs(angle_between(before, behind));
   }
 
   /// Squared error of the best curve made of a line and a bend, over the chord.
   template <class Bend>
   double missed_by(std::ptrdiff_t i, const Reach& reach, const Bend& bend) const {
     const Vec2 chord = point(i + reach.behind) - point(i - reach.before);
-    const Vec2 along = (1 / norm(chord)) * chord;
+    const Vec2 along = unit(chord);
     Eigen::MatrixX3d terms(reach.before + 1 + reach.behind, 3);
     Eigen::VectorXd heights(terms.rows());
     for (std::ptrdiff_t k = -reach.before; k <= reach.behind; ++k) {

@@ -35,6 +35,20 @@ inline double norm(Vec2 a) {
   return std::sqrt(dot(a, a));
 }
 
+inline Vec2 unit(Vec2 a) {
+  return (1 / norm(a)) * a;
+}
+
+/// From a to b, -pi to pi; positive as cross(). Neither is zero.
+inline double angle_between(Vec2 a, Vec2 b) {
+  return std::atan2(cross(a, b), dot(a, b));
+}
+
+/// By an angle in radians, positive as angle_between().
+inline Vec2 turned(Vec2 a, double angle) {
+  return {std::cos(angle) * a.x - std::sin(angle) * a.y, std::sin(angle) * a.x + std::cos(angle) * a.y};
+}
+
 /// Signed area of the triangle (a,b,c); this sign is what "counter-clockwise" means in the whole library.
 inline double signed_area(Vec2 a, Vec2 b, Vec2 c) {
   return 0.5 * cross(b - a, c - a);

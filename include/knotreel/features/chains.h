@@ -21,7 +21,9 @@ struct ChainPoint {
 
   bool rounded = false;  ///< the curve is an arc here, between straight stretches (prefer_side_ends())
 
-  bool preferred = false;  ///< a polyline of the frame before had a vertex here, which may as well stay
+  /// A vertex of a polyline had better be here: that of the frame before had one (prefer_points()), or a
+  /// straight stretch ends (prefer_side_ends()).
+  bool preferred = false;
 
   Vec2 on_curve() const { return position + beyond; }
   /// Puts the curve there, and the position as near to it as it may be.
