@@ -33,13 +33,10 @@ Json StageTimer::seconds() const {
 }
 
 Json features_json(const vectorize::Report& report) {
-  return {{"chains", report.chains},
-          {"over_budget", report.chains_over_budget},
-          {"corners", report.corners},
-          {"pixels", report.feature_pixels},
-          {"polyline_vertices", report.polyline_vertices},
-          {"folds_left", report.folds_left},
-          {"dropped", report.features_dropped}};
+  return {{"chains", report.chains},         {"over_budget", report.chains_over_budget},
+          {"corners", report.corners},       {"fine_grid", report.fine_grid},
+          {"pixels", report.feature_pixels}, {"polyline_vertices", report.polyline_vertices},
+          {"folds_left", report.folds_left}, {"dropped", report.features_dropped}};
 }
 
 Json rounds_json(const vectorize::Report& report) {

@@ -12,13 +12,15 @@
 #include "features/straight_side.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
+#include "knotreel/features/scale.h"
 
 namespace knotreel::features {
 namespace {
 
 /// Turns are told between points so many steps apart.
 constexpr std::size_t kArm = 4;
-/// A corner is within so many pixels of where the curve was found, and of where its lines meet.
+/// A corner is within so many pixels of the picture of where the curve was found, and of where its lines
+/// meet.
 constexpr double kFarthest = 3;
 constexpr double kMostChange = 1;
 /// Sine of the angle from a side to what the picture has for it: a blunt wedge fits a corner that is round.
@@ -75,11 +77,11 @@ double distance_found(const Corner& corner) {
 }
 
 /// Where the lines of the arms meet, if they lead there.
-bool guess_position(Corner& corner) {
+bool guess_position(double scale, Corner& corner) {
   const std::optional<Vec2> meeting = meeting_point(corner.arms);
   if (!meeting) return false;
   corner.position = *meeting;
-  if (distance_found(corner) > kFarthest) return false;
+  if (distance_found(corner) > scale * kFarthest) return false;
   // Lines lead to the corner, and do not run past it.
   return std::all_of(corner.arms.begin(), corner.arms.end(), [&](const Arm& arm) {
     return dot(arm.walk.at(arm.side.gap) - *meeting, arm.side.away) >= 0.2;
@@ -87,21 +89,22 @@ bool guess_position(Corner& corner) {
 }
 
 /// From a guess: near to where the lines of the arms meet, if the picture says so, too.
-bool find_position(const image::Image& image, double most_error, Corner& corner) {
+/// @param scale  pixels of the chains per pixel of the picture
+bool find_position(const image::Image& image, double scale, double most_error, Corner& corner) {
   const Vec2 start = corner.position;
   sort_around(corner.arms);
-  Fan fan{start, {}};
+  Fan fan{(1 / scale) * start, {}};
   std::vector<Vec2> through;
   for (const Arm& arm : corner.arms) {
     fan.rays.push_back(arm.side.away);
-    through.push_back(arm.side.point);
+    through.push_back((1 / scale) * arm.side.point);
   }
   const std::optional<FanFit> fit = fit_fan(image, fan, through);
-  if (!fit || fit->error > most_error || norm(fit->fan.tip - start) > kMostChange) return false;
+  if (!fit || fit->error > most_error || norm(fit->fan.tip - fan.tip) > kMostChange) return false;
   for (std::size_t i = 0; i < corner.arms.size(); ++i) {
     if (std::abs(cross(corner.arms[i].side.away, fit->fan.rays[i])) > kMostRotation) return false;
   }
-  corner.position = fit->fan.tip;
+  corner.position = scale * fit->fan.tip;
   for (std::size_t i = 0; i < corner.arms.size(); ++i) corner.arms[i].side.away = fit->fan.rays[i];
   corner.error = fit->error + 0.01 * distance_found(corner);
   return true;
@@ -109,13 +112,13 @@ bool find_position(const image::Image& image, double most_error, Corner& corner)
 
 /// All points around a corner lead to it. Of those, one behind the other, whose lines meet at about the same
 /// place, keeps the ones that are nearest to it.
-void keep_nearest(std::vector<Corner>& guesses) {
-  constexpr double kSamePlace = 0.7;  // px
+void keep_nearest(double scale, std::vector<Corner>& guesses) {
+  constexpr double kSamePlace = 0.7;  // px of the picture
   constexpr std::ptrdiff_t kMost = 2;
   std::vector<Corner> kept;
   for (auto first = guesses.begin(); first != guesses.end();) {
     auto last = first + 1;
-    while (last != guesses.end() && norm(last->position - (last - 1)->position) < kSamePlace) ++last;
+    while (last != guesses.end() && norm(last->position - (last - 1)->position) < scale * kSamePlace) ++last;
     std::stable_sort(first, last,
                      [](const Corner& a, const Corner& b) { return distance_found(a) < distance_found(b); });
     std::move(first, first + std::min(kMost, last - first), std::back_inserter(kept));
@@ -142,7 +145,7 @@ double straightness(const Chain& chain, std::size_t i) {
 class Sharpener {
  public:
   Sharpener(const image::Image& image, FeatureChains& chains, const CornerOptions& options)
-      : image_(image), chains_(chains), options_(options) {
+      : image_(image), scale_(scale_of(chains, image)), chains_(chains), options_(options) {
     for (const Chain& chain : chains.chains) taken_.emplace_back(chain.points.size(), false);
   }
 
@@ -157,7 +160,7 @@ class Sharpener {
  private:
   std::optional<Arm> arm(std::size_t chain, std::size_t from, bool forward) const {
     const ChainWalk walk(chains_.chains[chain], from, forward);
-    const std::optional<StraightSide> side = straight_side(walk);
+    const std::optional<StraightSide> side = straight_side(walk, scale_);
     if (!side || (chains_.chains[chain].stepped && !is_level(*side))) return std::nullopt;
     return Arm{chain, walk, *side};
   }
@@ -171,6 +174,7 @@ class Sharpener {
   void place(const Corner& corner);
 
   const image::Image& image_;
+  double scale_;  // pixels of the chains per pixel of the picture
   FeatureChains& chains_;
   const CornerOptions& options_;
   std::vector<std::vector<bool>> taken_;  // by chain and point: a corner has moved it
@@ -199,8 +203,8 @@ std::vector<Corner> Sharpener::at_nodes() const {
       corner.found = chain.points[from].position;
       if (std::optional<Arm> a = arm(end.chain, from, end.forward)) corner.arms.push_back(*a);
     }
-    if (corner.arms.size() == node.size() && guess_position(corner) &&
-        find_position(image_, options_.most_error, corner))
+    if (corner.arms.size() == node.size() && guess_position(scale_, corner) &&
+        find_position(image_, scale_, options_.most_error, corner))
       corners.push_back(std::move(corner));
   }
   return corners;
@@ -215,8 +219,9 @@ std::vector<Corner> Sharpener::inside(std::size_t c) const {
     if (straightness(chain, i) > bend) continue;
     if (std::optional<Corner> guess = guess_inside(c, i)) guesses.push_back(std::move(*guess));
   }
-  keep_nearest(guesses);
-  std::erase_if(guesses, [&](Corner& guess) { return !find_position(image_, options_.most_error, guess); });
+  keep_nearest(scale_, guesses);
+  std::erase_if(guesses,
+                [&](Corner& guess) { return !find_position(image_, scale_, options_.most_error, guess); });
   return guesses;
 }
 
@@ -226,10 +231,10 @@ std::optional<Corner> Sharpener::guess_inside(std::size_t c, std::size_t point) 
   if (!back || !on) return std::nullopt;
   const double turn =
       std::numbers::pi - std::acos(std::clamp(dot(back->side.away, on->side.away), -1.0, 1.0));
-  const double arc = std::min(turn_of_arc(back->side, on->side), kNoArc);
+  const double arc = std::min(turn_of_arc(back->side, on->side, scale_), kNoArc);
   if (turn < std::max(radians(options_.least_turn), arc)) return std::nullopt;
   Corner corner{on->walk.at(0), {*back, *on}, {}, 0};
-  if (!guess_position(corner)) return std::nullopt;
+  if (!guess_position(scale_, corner)) return std::nullopt;
   return corner;
 }
 
@@ -273,8 +278,6 @@ void Sharpener::place(const Corner& corner) {
 }  // namespace
 
 std::size_t sharpen_corners(const image::Image& image, FeatureChains& chains, const CornerOptions& options) {
-  if (image.width != chains.width || image.height != chains.height)
-    throw Error(ErrorKind::kInvalidArgument, "picture and feature chains are of different sizes");
   if (!(options.least_turn >= 0 && options.least_turn <= 180))
     throw Error(ErrorKind::kInvalidArgument, "the least turn of a corner must be in 0..180 degrees");
   if (!(options.most_error > 0))

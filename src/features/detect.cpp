@@ -8,6 +8,7 @@
 #include "features/gradient.h"
 #include "features/stepped.h"
 #include "knotreel/base/error.h"
+#include "knotreel/features/scale.h"
 
 namespace knotreel::features {
 namespace {
@@ -38,8 +39,13 @@ FeatureChains detect_features(const image::Image& image, const DetectOptions& op
   check(image, options);
   const GradientField field = make_gradient_field(image, options);
   FeatureChains chains = extract_chains(draw_edges(field, options), field);
-  for (Chain& chain : chains.chains) chain.stepped = is_stepped(image, chain);
+  mark_stepped(image, chains);
   return chains;
+}
+
+void mark_stepped(const image::Image& picture, FeatureChains& chains) {
+  const int scale = scale_of(chains, picture);
+  for (Chain& chain : chains.chains) chain.stepped = is_stepped(picture, chain, scale);
 }
 
 }  // namespace knotreel::features

@@ -11,13 +11,15 @@ constexpr double kShare = 0.9;  // of the points
 
 }  // namespace
 
-bool is_stepped(const image::Image& image, const Chain& chain) {
+bool is_stepped(const image::Image& image, const Chain& chain, int scale) {
   std::size_t looked_at = 0;
   std::size_t stepped = 0;
   for (const ChainPoint& p : chain.points) {
-    if (p.x < 1 || p.y < 1 || p.x > image.width - 2 || p.y > image.height - 2) continue;
+    const int x = p.x / scale;
+    const int y = p.y / scale;
+    if (x < 1 || y < 1 || x > image.width - 2 || y > image.height - 2) continue;
     ++looked_at;
-    stepped += image::has_two_colours(image, p.x - 1, p.y - 1) ? 1 : 0;
+    stepped += image::has_two_colours(image, x - 1, y - 1) ? 1 : 0;
   }
   return looked_at > 0 && double(stepped) >= kShare * double(looked_at);
 }

@@ -10,7 +10,7 @@ constexpr std::size_t kLeastCount = 4;
 constexpr std::size_t kMostCount = 14;
 constexpr std::size_t kLeastGap = 2;
 constexpr std::size_t kMostGap = 5;
-constexpr double kStraight = 0.05;  // px, root mean square distance from the line
+constexpr double kStraight = 0.05;  // px of the picture, root mean square distance from the line
 
 double square(double x) {
   return x * x;
@@ -35,19 +35,19 @@ StraightSide line_through(const ChainWalk& walk, std::size_t gap, std::size_t co
   return side;
 }
 
-bool is_straight(const ChainWalk& walk, const StraightSide& side) {
+bool is_straight(const ChainWalk& walk, const StraightSide& side, double scale) {
   double sum = 0;
   for (std::size_t k = 0; k < side.count; ++k)
     sum += square(cross(side.away, walk.at(side.gap + k) - side.point));
-  return sum <= square(kStraight) * double(side.count);
+  return sum <= square(scale * kStraight) * double(side.count);
 }
 
 /// The longest with that gap.
-std::optional<StraightSide> longest_side(const ChainWalk& walk, std::size_t gap) {
+std::optional<StraightSide> longest_side(const ChainWalk& walk, std::size_t gap, double scale) {
   std::optional<StraightSide> longest;
   for (std::size_t count = kLeastCount; count <= kMostCount && gap + count <= walk.steps() + 1; ++count) {
     const StraightSide side = line_through(walk, gap, count);
-    if (!is_straight(walk, side)) break;
+    if (!is_straight(walk, side, scale)) break;
     longest = side;
   }
   return longest;
@@ -55,19 +55,19 @@ std::optional<StraightSide> longest_side(const ChainWalk& walk, std::size_t gap)
 
 }  // namespace
 
-std::optional<StraightSide> straight_side(const ChainWalk& walk) {
+std::optional<StraightSide> straight_side(const ChainWalk& walk, double scale) {
   std::optional<StraightSide> best;
   for (std::size_t gap = kLeastGap; gap <= kMostGap; ++gap) {
-    const std::optional<StraightSide> side = longest_side(walk, gap);
+    const std::optional<StraightSide> side = longest_side(walk, gap, scale);
     if (side && (!best || side->count > best->count)) best = side;
   }
   return best;
 }
 
-double turn_of_arc(const StraightSide& a, const StraightSide& b) {
+double turn_of_arc(const StraightSide& a, const StraightSide& b, double scale) {
   constexpr double kRmsOfSagitta = 0.3;
   const double chord = double(std::min(a.count, b.count)) - 1;
-  const double radius = chord * chord * kRmsOfSagitta / (8 * kStraight);
+  const double radius = chord * chord * kRmsOfSagitta / (8 * scale * kStraight);
   return (double(a.gap + b.gap) + 0.5 * double(a.count + b.count)) / radius;
 }
 

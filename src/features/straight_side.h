@@ -42,9 +42,10 @@ struct StraightSide {
 };
 
 /// The longest straight stretch that begins near the start of a walk, but not at it.
-std::optional<StraightSide> straight_side(const ChainWalk& walk);
+/// @param scale  pixels of the chain per pixel of the picture
+std::optional<StraightSide> straight_side(const ChainWalk& walk, double scale);
 
 /// Angle in radians that an arc of a circle would turn by between its ends if they were as straight as these.
-double turn_of_arc(const StraightSide& a, const StraightSide& b);
+double turn_of_arc(const StraightSide& a, const StraightSide& b, double scale);
 
 }  // namespace knotreel::features

@@ -31,7 +31,7 @@ struct Tangent {
   Vec2 along;  ///< along the curve
 };
 
-/// Tangents at the ends of the segments of a mesh, by knot.
+/// Tangents at the knots of the segments of a mesh, by knot.
 class Tangents {
  public:
   /// @param curves, segments as clear_tangents().
@@ -71,6 +71,29 @@ class Tangents {
     add(a, b, curve);
     std::reverse(curve.begin(), curve.end());
     add(b, a, curve);
+    for (std::size_t i = 1; i + 1 < segment.knots.size(); ++i) add_inside(segment.knots[i], segment, points);
+  }
+
+  /// At a knot inside a segment the curve goes on both ways.
+  void add_inside(KnotIndex k, const mesh::FeatureSegment& segment, std::span<const fit::CurvePoint> points) {
+    const KnotIndex a = segment.knots.front();
+    const KnotIndex b = segment.knots.back();
+    const double at = norm(mesh_.position(k) - mesh_.position(a));
+    const auto along = [&](const fit::CurvePoint& p) { return norm(p.parameter - mesh_.position(a)); };
+    const auto behind =
+        std::find_if(points.begin(), points.end(), [&](const fit::CurvePoint& p) { return along(p) > at; });
+    if (behind == points.begin() || behind == points.end()) return;
+    const auto before = behind - 1;
+    const double share = (at - along(*before)) / (along(*behind) - along(*before));
+    const Vec2 image = before->position + share * (behind->position - before->position);
+    std::vector<Vec2> on{image};
+    for (auto p = behind; p != points.end(); ++p) on.push_back(p->position);
+    on.push_back(*image_[b]);
+    add(k, b, on);
+    std::vector<Vec2> back{image};
+    for (auto p = behind; p != points.begin(); --p) back.push_back((p - 1)->position);
+    back.push_back(*image_[a]);
+    add(k, a, back);
   }
 
   /// @param curve from one knot to the other.
@@ -128,7 +151,9 @@ class Clearer {
   };
 
   void clear(KnotIndex k) {
-    const auto mend = [&](const Crowded& c) { return flip_away(c) || part(c); };
+    // Inside a segment the curve leaves it by little, which is not worth a knot.
+    const bool may_part = mesh_.knot(k).kind != mesh::KnotKind::kSegment;
+    const auto mend = [&](const Crowded& c) { return flip_away(c) || (may_part && part(c)); };
     for (int i = 0; i < kMostEdges && !tangents_[k].empty(); ++i) {
       const std::vector<Crowded> edges = crowded_edges(k);
       if (std::none_of(edges.begin(), edges.end(), mend)) return;

@@ -5,6 +5,8 @@
 #include <utility>
 #include <vector>
 
+#include "knotreel/features/scale.h"
+
 namespace knotreel::vectorize {
 
 namespace {
@@ -50,10 +52,10 @@ struct RankedChain {
   features::Chain chain;
 };
 
-RankedChain ranked(const image::Image& picture, features::Chain chain) {
-  const double contrast = mean_range(picture, chain, 1);
-  const bool sharp = contrast >= kSharpness * mean_range(picture, chain, 3);
-  const double worth = contrast / (1 + kTurnsAreDear * std::max(0.0, turning(chain) - kFreeTurning));
+RankedChain ranked(const image::Image& picture, int scale, features::Chain chain) {
+  const double contrast = mean_range(picture, chain, 1, scale);
+  const bool sharp = contrast >= kSharpness * mean_range(picture, chain, 3, scale);
+  const double worth = contrast / (1 + kTurnsAreDear * std::max(0.0, scale * turning(chain) - kFreeTurning));
   return {worth, worth < kWeakWorth && !sharp, std::move(chain)};
 }
 
@@ -65,8 +67,9 @@ RankedChain ranked(const image::Image& picture, features::Chain chain) {
 bool keep_strongest(const image::Image& picture, double share, bool weak_only,
                     features::FeatureChains& chains) {
   const double allowed = share * static_cast<double>(chain_pixels(chains));
+  const int scale = features::scale_of(chains, picture);
   std::vector<RankedChain> all;
-  for (features::Chain& c : chains.chains) all.push_back(ranked(picture, std::move(c)));
+  for (features::Chain& c : chains.chains) all.push_back(ranked(picture, scale, std::move(c)));
   std::stable_sort(all.begin(), all.end(),
                    [](const RankedChain& a, const RankedChain& b) { return a.worth > b.worth; });
   std::size_t kept = 0;
@@ -82,15 +85,17 @@ bool keep_strongest(const image::Image& picture, double share, bool weak_only,
 
 }  // namespace
 
-double mean_range(const image::Image& picture, const features::Chain& chain, int radius) {
+double mean_range(const image::Image& picture, const features::Chain& chain, int radius, int scale) {
   double sum = 0;
   for (const features::ChainPoint& p : chain.points) {
+    const int px = p.x / scale;
+    const int py = p.y / scale;
     float range = 0;
     for (int c = 0; c < picture.channels; ++c) {
-      float low = picture.at(p.x, p.y, c);
+      float low = picture.at(px, py, c);
       float high = low;
-      for (int y = std::max(0, p.y - radius); y <= std::min(picture.height - 1, p.y + radius); ++y) {
-        for (int x = std::max(0, p.x - radius); x <= std::min(picture.width - 1, p.x + radius); ++x) {
+      for (int y = std::max(0, py - radius); y <= std::min(picture.height - 1, py + radius); ++y) {
+        for (int x = std::max(0, px - radius); x <= std::min(picture.width - 1, px + radius); ++x) {
           low = std::min(low, picture.at(x, y, c));
           high = std::max(high, picture.at(x, y, c));
         }

@@ -16,7 +16,8 @@ double expected_functions(const mesh::EditableMesh& mesh, int degree);
 double expected_functions(const features::FeatureChains& chains);
 
 /// Mean over the points of a chain of the largest range of a channel within some pixels, levels.
-double mean_range(const image::Image& picture, const features::Chain& chain, int radius);
+/// @param scale pixels of the chain per pixel of the picture.
+double mean_range(const image::Image& picture, const features::Chain& chain, int radius, int scale = 1);
 
 /// Drops feature chains that turn by more radians per pixel, in the mean.
 void drop_winding(double max_turning, features::FeatureChains& chains);
@@ -30,6 +31,7 @@ struct FeatureShares {
 /// Drops feature chains that cost more control points than features may use up, before any knot is put
 /// between them: those of least contrast for what they cost, weak ones first, which the smooth surface can
 /// stand in for.
+/// @param picture of the size of the chains, or half as wide and high.
 /// @param functions that the chains cost together. @param most control points of the whole model.
 /// @return whether the share of any was not enough, so that strong ones were dropped, too.
 bool keep_within_budget(const image::Image& picture, double functions, double most,

@@ -4,11 +4,13 @@
 
 #include "knotreel/fit/squared_errors.h"
 #include "knotreel/knots/block_errors.h"
+#include "vectorize/fine_grid.h"
 #include "vectorize/finish.h"
 
 namespace knotreel::vectorize {
 
 Missed Judge::missed() {
+  if (of_picture_) return missed_in_picture();
   if (!means_met()) return {.means = true, .blocks = {}};
   return samples_.has_features() && options_.mixed_weight > 0 ? missed_as_drawn() : missed_as_fitted();
 }
@@ -47,6 +49,19 @@ Missed Judge::missed_as_drawn() {
     if (good_[i] != 0 || samples_.weights()[i] < 1) errors[i] = 0;
   }
   return worst_blocks(std::move(errors));
+}
+
+/// A fine grid has four pixels for each of the picture, and edges that are spread over some of them: only
+/// what would be drawn tells of the picture.
+Missed Judge::missed_in_picture() {
+  Outlook then = outlook(options_, *of_picture_, log_, halved(draft_));
+  if (then.mec > options_.mec || log_.round().meg > options_.meg) return {.means = true, .blocks = {}};
+  if (options_.block_error == 0) return {};
+  const image::Image& picture = of_picture_->picture();
+  const double bound = options_.mec * options_.block_error;
+  std::vector<float>& errors = then.squared_errors;
+  if (knots::keep_worst_blocks(errors, picture.width, picture.height, bound) == 0) return {};
+  return {.means = false, .blocks = on_fine_pixels(errors, picture.width)};
 }
 
 Missed Judge::worst_blocks(std::vector<float> errors) const {

@@ -19,9 +19,9 @@ struct Missed {
 /// Tells after each round whether another one is needed, and where.
 class Judge {
  public:
-  /// All outlive this.
-  Judge(const Options& options, Samples& samples, RunLog& log, Draft& draft)
-      : options_(options), samples_(samples), log_(log), draft_(draft) {}
+  /// All outlive this. @param of_picture if the samples are of a fine grid, those of the picture, or null.
+  Judge(const Options& options, Samples& samples, Samples* of_picture, RunLog& log, Draft& draft)
+      : options_(options), samples_(samples), of_picture_(of_picture), log_(log), draft_(draft) {}
 
   Missed missed();
 
@@ -29,10 +29,12 @@ class Judge {
   bool means_met() const;
   Missed missed_as_fitted();
   Missed missed_as_drawn();
+  Missed missed_in_picture();
   Missed worst_blocks(std::vector<float> errors) const;
 
   const Options& options_;
   Samples& samples_;
+  Samples* of_picture_;
   RunLog& log_;
   Draft& draft_;
   std::vector<std::uint8_t> good_;  // pixels of blocks that will be drawn well enough; empty: not known

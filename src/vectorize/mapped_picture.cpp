@@ -23,7 +23,7 @@ using mesh::EditableMesh;
 // Of the control points, for features with finer polylines.
 constexpr double kShareOfFine = 0.6;
 
-constexpr double kShortSegment = 3;  // pixels
+constexpr double kShortSegment = 3;  // pixels of the picture given
 
 /// Without noise, which thresholds are there for, faint edges are edges, too.
 features::DetectOptions detect_options(const Options& options, bool drawing) {
@@ -60,9 +60,11 @@ bool has_short_segments(const mesh::KnotMesh& mesh) {
 
 class Mapping {
  public:
-  Mapping(const image::Image& picture, bool drawing, const Options& options, std::size_t max_functions,
-          RunLog& log, MappedPicture& mapped)
-      : picture_(picture),
+  Mapping(const Grid& grid, bool drawing, const Options& options, std::size_t max_functions, RunLog& log,
+          MappedPicture& mapped)
+      : picture_(grid.pixels),
+        original_(grid.original),
+        scale_(grid.scale()),
         options_(options),
         drawing_(drawing),
         parametrize_(parametrize_options(options, drawing_)),
@@ -74,6 +76,7 @@ class Mapping {
   void find() {
     if (!options_.features) return;
     mapped_.detected = features::detect_features(picture_, detect_options(options_, drawing_));
+    if (scale_ > 1) features::mark_stepped(original_, mapped_.detected);
     if (options_.max_turning > 0) drop_winding(options_.max_turning, mapped_.detected);
     log_.progress.detected = &mapped_.detected;
     log_.report.chains = mapped_.detected.chains.size();
@@ -90,7 +93,7 @@ class Mapping {
   /// Where the pixels are is left open. @return whether the polylines make a sound mesh.
   bool map_curves(const Curves& curves, std::span<const Vec2> vertices) {
     mapped_.detected = curves.detected;
-    if (!mapped_.detected.chains.empty() && limit_features(expected_functions(mapped_.detected))) {
+    if (!mapped_.detected.chains.empty() && limit_features(expected_of_chains())) {
       fair_and_spread();
     } else {
       mapped_.faired = curves.faired;
@@ -107,7 +110,7 @@ class Mapping {
 
   /// Once more whenever features turn out to cost more than they may.
   void map() {
-    if (!mapped_.detected.chains.empty()) limit_features(expected_functions(mapped_.detected));
+    if (!mapped_.detected.chains.empty()) limit_features(expected_of_chains());
     fair();
     for (;;) {
       if (mapped_.has_features()) {
@@ -133,7 +136,7 @@ class Mapping {
     if (!mapped_.has_features()) return;
     if (options_.fairing) features::fair_chains(mapped_.faired, options_.fair);
     if (options_.corner_detection) {
-      log_.report.corners = features::sharpen_corners(picture_, mapped_.faired, options_.corners);
+      log_.report.corners = features::sharpen_corners(original_, mapped_.faired, options_.corners);
       features::prefer_side_ends(mapped_.faired);
     }
     log_.progress.faired = &mapped_.faired;
@@ -152,7 +155,7 @@ class Mapping {
 
   mesh::KnotMesh mesh_of(const param::Parametrization& parametrization) const {
     return initial_mesh(parametrization, options_.segment_knot_spacing,
-                        options_.clear_curves ? kShortSegment : 0);
+                        options_.clear_curves ? scale_ * kShortSegment : 0);
   }
 
   /// About; 0 if the polylines make no sound mesh. Nearly what it is in the end, and known without the map.
@@ -165,6 +168,8 @@ class Mapping {
       return 0;
     }
   }
+
+  double expected_of_chains() const { return expected_functions(mapped_.detected) / scale_; }
 
   double functions_of_knots() const {
     return expected_functions(EditableMesh(mapped_.knots), options_.degree);
@@ -200,7 +205,7 @@ class Mapping {
   /// Drops chains if they cost too many control points. @return whether it did.
   bool limit_features(double functions) {
     const std::size_t before = mapped_.detected.chains.size();
-    if (keep_within_budget(picture_, functions, static_cast<double>(max_functions_), shares_,
+    if (keep_within_budget(original_, functions, static_cast<double>(max_functions_), shares_,
                            mapped_.detected))
       mapped_.over_share = true;
     const std::size_t dropped = before - mapped_.detected.chains.size();
@@ -241,6 +246,8 @@ class Mapping {
   }
 
   const image::Image& picture_;
+  const image::Image& original_;
+  int scale_;  // pixels per pixel of the original, along a row
   const Options& options_;
   bool drawing_;
   param::ParametrizeOptions parametrize_;
@@ -252,10 +259,10 @@ class Mapping {
 
 }  // namespace
 
-void map_features(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
+void map_features(const Grid& grid, const Options& options, std::size_t max_functions, RunLog& log,
                   MappedPicture& mapped) {
-  const bool drawing = options.features && features::is_drawing(picture);
-  Mapping mapping(picture, drawing, options, max_functions, log, mapped);
+  const bool drawing = options.features && features::is_drawing(grid.original);
+  Mapping mapping(grid, drawing, options, max_functions, log, mapped);
   mapping.find();
   mapping.map();
 }
@@ -265,7 +272,7 @@ Curves find_curves(const image::Image& picture, const Options& options) {
   RunLog log(picture, nobody);
   log.begin_round("features");
   MappedPicture mapped;
-  Mapping mapping(picture, true, options, 0, log, mapped);
+  Mapping mapping({picture, picture}, true, options, 0, log, mapped);
   mapping.find();
   mapping.fair_and_spread();
   return {std::move(mapped.detected), std::move(mapped.faired)};
@@ -273,7 +280,7 @@ Curves find_curves(const image::Image& picture, const Options& options) {
 
 bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
                 const Curves& curves, std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped) {
-  return Mapping(picture, true, options, max_functions, log, mapped).map_curves(curves, vertices);
+  return Mapping({picture, picture}, true, options, max_functions, log, mapped).map_curves(curves, vertices);
 }
 
 knots::Target make_target(const image::Image& picture, const MappedPicture& mapped) {

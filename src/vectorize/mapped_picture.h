@@ -26,11 +26,20 @@ struct MappedPicture {
   bool has_features() const { return !faired.chains.empty(); }
 };
 
+/// A picture to find features in, and the one that was given: the same, or it is that one enlarged twofold.
+struct Grid {
+  const image::Image& pixels;
+  const image::Image& original;
+
+  int scale() const { return &pixels == &original ? 1 : 2; }
+};
+
 /// Finds the features of a picture, as many as their share of the control points allows, and straightens
 /// them.
+/// @param options       in pixels of the grid.
 /// @param max_functions control points of the whole model.
 /// @param mapped        made; the log's progress points into it.
-void map_features(const image::Image& picture, const Options& options, std::size_t max_functions, RunLog& log,
+void map_features(const Grid& grid, const Options& options, std::size_t max_functions, RunLog& log,
                   MappedPicture& mapped);
 
 /// All features of a drawing, whether there is room for them or not.

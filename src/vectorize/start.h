@@ -22,7 +22,8 @@ struct Start {
 
 /// Features within their share of the control points, and the first knots. Where these leave room, all
 /// features may stay: a bound on their share keeps them from what the rest of the picture needs.
-std::unique_ptr<Start> make_start(const image::Image& picture, const Options& options,
-                                  std::size_t max_functions, RunLog& log);
+/// @param options in pixels of the grid.
+std::unique_ptr<Start> make_start(const Grid& grid, const Options& options, std::size_t max_functions,
+                                  RunLog& log);
 
 }  // namespace knotreel::vectorize

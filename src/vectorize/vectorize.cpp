@@ -3,14 +3,17 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "knotreel/base/error.h"
+#include "knotreel/image/enlarge.h"
 #include "knotreel/image/hidden_colours.h"
 #include "vectorize/check_options.h"
 #include "vectorize/draft.h"
+#include "vectorize/fine_grid.h"
 #include "vectorize/finish.h"
 #include "vectorize/judge.h"
 #include "vectorize/rounds.h"
@@ -56,15 +59,43 @@ class Run {
       : picture_(picture), options_(options), log_(picture, observer) {}
 
   Vectorization run() {
-    const std::size_t max_functions = most_control_points(options_, picture_);
     log_.begin_round("round 1");
-    const std::unique_ptr<Start> start = make_start(picture_, options_, max_functions, log_);
-    Samples& samples = *start->samples;
-    Rounds rounds(options_, *start->target, samples, max_functions, log_, draft_);
-    rounds.first(std::move(*start->mesh), start->mapped.knots);
+    const std::size_t max_functions = most_control_points(options_, picture_);
+    if (!wants_fine_grid(picture_, options_)) return run({picture_, picture_}, options_, max_functions);
+    const image::Image enlarged = image::enlarge_twofold(picture_);
+    log_.progress.picture = &enlarged;
+    log_.report.fine_grid = true;
+    log_.lap("enlarge");
+    return run({enlarged, picture_}, on_fine_grid(options_), max_functions);
+  }
+
+ private:
+  /// @param options in pixels of the grid.
+  Vectorization run(const Grid& grid, const Options& options, std::size_t max_functions) {
+    scale_ = grid.scale();
+    std::unique_ptr<Start> start = make_start(grid, options, max_functions, log_);
+    std::optional<Halved> half;
+    if (scale_ > 1) half.emplace(start->mapped, picture_);
+    improve(*start, half ? &half->samples() : nullptr, options, max_functions);
+    draft_.steering.reset();
+    log_.begin_round("final");
+    if (!half) return finished(*start->samples);
+    draft_ = halved(draft_);
+    scale_ = 1;
+    log_.progress = {};
+    log_.progress.picture = &picture_;
+    start.reset();
+    return finished(half->samples());
+  }
+
+  /// @param of_picture samples of the picture itself, if the others are of a fine grid; or null.
+  void improve(Start& start, Samples* of_picture, const Options& options, std::size_t max_functions) {
+    Samples& samples = *start.samples;
+    Rounds rounds(options, *start.target, samples, max_functions, log_, draft_);
+    rounds.first(std::move(*start.mesh), start.mapped.knots);
     end_round(samples);
-    Judge judge(options_, samples, log_, draft_);
-    for (int round = 2; round <= options_.rounds; ++round) {
+    Judge judge(options_, samples, of_picture, log_, draft_);
+    for (int round = 2; round <= options.rounds; ++round) {
       const Missed left = judge.missed();
       if (!left.means && left.blocks.empty()) break;
       log_.begin_round("round " + std::to_string(round));
@@ -74,24 +105,23 @@ class Run {
       }
       end_round(samples);
     }
-    if (options_.descent_steps > 0) {
-      log_.begin_round("descent");
-      descend(options_, samples, log_, draft_);
-      end_round(samples);
-    }
-    draft_.steering.reset();
-    log_.begin_round("final");
+    if (options.descent_steps == 0) return;
+    log_.begin_round("descent");
+    descend(options, samples, log_, draft_);
+    end_round(samples);
+  }
+
+  Vectorization finished(Samples& samples) {
     Fitted fitted = finish(options_, samples, log_, draft_);
     end_round(samples);
     return {std::move(model_), std::move(log_.report), std::move(fitted)};
   }
 
- private:
   void end_round(const Samples& samples) {
     RoundReport& report = log_.round();
     report.knots = draft_.surface.space->mesh().knots.size();
     report.control_points = draft_.surface.space->function_count();
-    report.meg = draft_.meg;
+    report.meg = draft_.meg / scale_;
     measure_colours(samples, draft_, report);
     model_ = draft_.model(picture_.channels);
     report.raw_bytes = document::raw_accounting_bytes(model_);
@@ -102,6 +132,7 @@ class Run {
 
   const image::Image& picture_;
   const Options& options_;
+  int scale_ = 1;  ///< pixels of the grid in work per pixel of the picture, along a row
   RunLog log_;
   Draft draft_;
   document::FrameModel model_;

@@ -86,6 +86,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "picture_links",
                                  "smooth_corners",
                                  "clear_curves",
+                                 "fine_grid",
                                  "detect",
                                  "drawn_blur",
                                  "drawn_distance",

@@ -87,6 +87,7 @@ TEST_F(CliVectorizeOptions, EveryOptionReachesThePipeline) {
       {{"--no-features"}, at("/features"), false},
       {{"--no-fairing"}, at("/fairing"), false},
       {{"--no-corner-detection"}, at("/corner_detection"), false},
+      {{"--no-fine-grid"}, at("/fine_grid"), false},
       {{"--no-colour-correction"}, at("/colour_correction"), false},
       {{"--no-knot-optimisation"}, at("/optimise/positions"), false},
       {{"--no-knot-optimisation"}, at("/optimise/connectivity"), false},

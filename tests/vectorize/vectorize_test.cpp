@@ -240,6 +240,7 @@ TEST(Vectorize, OnceTheMeanIsMetKnotsGoToWhatIsLeftOutOnly) {
   const image::Image picture = soft_spot(1.5);
   Options options;
   options.block_error = 1.6;
+  options.fine_grid = false;
   const Vectorization v = vectorize_picture(picture, options);
   const auto used = [&](std::size_t round) {
     return static_cast<double>(v.report.rounds[round].control_points);
@@ -450,7 +451,8 @@ TEST(Vectorize, ModelsAreFittedToTheGeometryThatIsStored) {
 TEST(Vectorize, ReportsAndShowsEveryStage) {
   const image::Image picture = still_life(90, 70);
   std::vector<std::string> stages;
-  const Options options{.max_control_points = 1000};  // enough for the features that are found at first
+  Options options{.max_control_points = 1000};  // enough for the features that are found at first
+  options.fine_grid = false;
   const Vectorization v = vectorize_picture(picture, options, [&](const Progress& p) {
     stages.push_back(p.stage);
     EXPECT_EQ(p.picture, &picture);
@@ -503,7 +505,7 @@ TEST(Vectorize, DrawingsHaveFinerPolylinesIfTheyFit) {
     return vectorize_picture(picture, options).report.polyline_vertices;
   };
   const image::Image soft = discs(18.3, true);
-  EXPECT_GT(vertices(soft, 0.35, 3000), vertices(soft, 1, 3000));
+  EXPECT_GT(vertices(soft, 0.35, 9000), vertices(soft, 1, 9000));
   EXPECT_EQ(vertices(soft, 0.35, 500), vertices(soft, 1, 500)) << "where they do not fit";
   const image::Image hard = discs(18.3, false);
   EXPECT_EQ(vertices(hard, 0.15, 9000), vertices(hard, 1, 9000)) << "which are known to half a pixel only";

@@ -22,8 +22,10 @@ struct CornerOptions {
 /// colour for each area between them.
 ///
 /// Of stepped chains only sides along rows and columns count: others say too little about where they lead.
-/// @param chains  detected in that picture, and faired. Their positions may be moved by up to three pixels,
-/// what is then too far from the pixel goes to ChainPoint::beyond.
+/// @param image   as it was drawn: of the size of the chains, or half as wide and high, if they were detected
+/// in it enlarged. Two colours explain only pixels that nothing was done to.
+/// @param chains  detected in that picture, and faired. Their positions may be moved by up to three of its
+/// pixels, what is then too far from the pixel goes to ChainPoint::beyond.
 /// @return how many corners and nodes there are.
 /// @throws Error{kInvalidArgument} if picture and chains are of different sizes, or options are out of range.
 /// Linear time. The same bits for any number of threads. Safe to call from several threads on different

@@ -33,4 +33,10 @@ struct DetectOptions {
 /// samples. Safe to call from several threads; equal input gives equal bits for any thread count.
 FeatureChains detect_features(const image::Image& image, const DetectOptions& options = {});
 
+/// Sets Chain::stepped by another picture than the one that the chains were detected in: the one that this
+/// was enlarged from. detect_features() sets it by its own.
+/// @param picture of the size of the chains, or half as wide and high.
+/// @throws Error{kInvalidArgument} for other sizes.
+void mark_stepped(const image::Image& picture, FeatureChains& chains);
+
 }  // namespace knotreel::features

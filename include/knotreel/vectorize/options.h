@@ -78,6 +78,10 @@ struct Options {
   /// Curves have room: segments of less than three pixels have no knots inside, and edges of the mesh leave
   /// the ends of others beside the curve, not along it (docs/decisions/0043).
   bool clear_curves = true;
+  /// Features of drawings (features::is_drawing()) are found, and knots placed, on pixels of half the size,
+  /// where strokes of one or two pixels have two sides (docs/decisions/0044): up to 1.25 megapixels, and
+  /// unless most edges come in steps. Lengths and thresholds of other options stay those of the picture.
+  bool fine_grid = true;
 
   knots::OptimiseOptions optimise{.rounds = 1, .steps = 4};
   fit::ColourFitOptions colour{.precision = fit::Precision::kSingle};

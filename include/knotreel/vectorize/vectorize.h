@@ -39,11 +39,14 @@ struct Report {
   std::size_t polyline_vertices = 0;
   int folds_left = 0;              ///< of the parametrization
   std::size_t geometry_folds = 0;  ///< samples beside features where the surface still folds over
+  bool fine_grid = false;          ///< as Options::fine_grid; chains and pixels are of that grid then
   bool features_dropped = false;   ///< their polylines made no sound knot mesh
   std::vector<RoundReport> rounds;
 };
 
 /// What there is to see after a stage; pointers are null before their stage, and valid during the call only.
+/// On a fine grid (Options::fine_grid) all but the last round is at twice the size, the picture too, and
+/// nothing of it is left in "final".
 struct Progress {
   std::string stage;  ///< "features", "fairing", "correction", "parametrization", "knots", then as
                       ///< RoundReport::name; "descent step"

@@ -1,0 +1,181 @@
+#include "vectorize/fine_grid.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+#include <random>
+#include <string>
+#include <utility>
+
+#include "knotreel/image/enlarge.h"
+#include "knotreel/spline/basis.h"
+#include "knotreel/vectorize/vectorize.h"
+#include "vectorize/rounds.h"
+#include "vectorize/scenes.h"
+#include "vectorize/start.h"
+
+namespace knotreel::vectorize {
+namespace {
+
+constexpr int kWidth = 132, kHeight = 96;
+
+/// Strokes of one to two pixels on plain ground, as of small letters: rings and bars at all angles.
+image::Image thin_strokes(int scale) {
+  return draw(scale * kWidth, scale * kHeight, 3, [&](double px, double py) {
+    const double x = px / scale, y = py / scale;
+    if (std::abs(std::hypot(x - 30, y - 30) - 14) < 0.75) return Colour{30, 30, 40};
+    if (std::abs(std::hypot(x - 30, y - 30) - 8) < 0.6) return Colour{150, 20, 30};
+    for (int bar = 0; bar < 5; ++bar) {
+      const double angle = 0.25 + 0.55 * bar, cx = 66 + 14 * bar, cy = 34 + 8 * (bar % 2);
+      const double along = (x - cx) * std::cos(angle) + (y - cy) * std::sin(angle);
+      const double across = (y - cy) * std::cos(angle) - (x - cx) * std::sin(angle);
+      if (std::abs(along) < 16 && std::abs(across) < 0.5 + 0.1 * bar) return Colour{20, 60, 140};
+    }
+    if (std::abs(y - 78 - 5 * std::sin(x / 9)) < 0.8 && x > 8 && x < 124) return Colour{0, 0, 0};
+    return Colour{245, 245, 240};
+  });
+}
+
+TEST(FineGrid, ThinStrokesHaveTwoSides) {
+  const image::Image picture = thin_strokes(1);
+  Options options;
+  const Vectorization fine = vectorize_picture(picture, options);
+  options.fine_grid = false;
+  const Vectorization plain = vectorize_picture(picture, options);
+  EXPECT_TRUE(fine.report.fine_grid);
+  EXPECT_FALSE(plain.report.fine_grid);
+  const image::Image large = thin_strokes(4);
+  const auto enlarged = [&](const Vectorization& v) {
+    return image::compare_images(rendered(v.model, {.width = 4 * kWidth, .height = 4 * kHeight}), large).psnr;
+  };
+  EXPECT_GT(psnr(picture, fine.model), psnr(picture, plain.model) + 3);
+  EXPECT_GT(enlarged(fine), enlarged(plain) + 2);
+}
+
+/// The same without antialiasing.
+image::Image stepped() {
+  image::Image image = thin_strokes(1);
+  for (float& sample : image.samples) sample = sample < 128 ? 20 : 220;
+  for (std::size_t i = 0; i < image.samples.size(); ++i) image.samples[i] = image.samples[i - i % 3];
+  return image;
+}
+
+TEST(FineGrid, IsForDrawingsOfModestSizeWithEdgesBetweenPixels) {
+  const Options options;
+  EXPECT_TRUE(wants_fine_grid(thin_strokes(1), options));
+  EXPECT_FALSE(wants_fine_grid(stepped(), options));
+  image::Image noise = thin_strokes(1);
+  std::mt19937 random(5);
+  for (float& sample : noise.samples) sample += float(random() % 9);
+  EXPECT_FALSE(wants_fine_grid(noise, options));
+  EXPECT_FALSE(wants_fine_grid(image::make_image(200, 100, 1), options)) << "where there is nothing";
+  image::Image large = image::make_image(1600, 1200, 1);
+  for (std::size_t i = 0; i < large.samples.size(); ++i)
+    large.samples[i] = i % 1600 < 800 ? 20.0F : i % 1600 == 800 ? 100.0F : 220.0F;
+  EXPECT_FALSE(wants_fine_grid(large, options));
+  Options without = options;
+  without.features = false;
+  EXPECT_FALSE(wants_fine_grid(thin_strokes(1), without));
+  EXPECT_FALSE(video_options(options).fine_grid);
+  EXPECT_FALSE(drawn_video_options(options).fine_grid);
+  EXPECT_FALSE(preset_options(Preset::kFast).fine_grid);
+}
+
+TEST(FineGrid, ThePictureGetsWhatTheGridHas) {
+  const image::Image picture = thin_strokes(1);
+  const image::Image enlarged = image::enlarge_twofold(picture);
+  const Options options = on_fine_grid(Options{});
+  const Observer observer;
+  RunLog log(enlarged, observer);
+  log.begin_round("round 1");
+  const auto start = make_start({enlarged, picture}, options, 3000, log);
+  Draft draft;
+  Rounds rounds(options, *start->target, *start->samples, 3000, log, draft);
+  rounds.first(std::move(*start->mesh), start->mapped.knots);
+
+  const Draft half = halved(draft);
+  EXPECT_EQ(half.surface.space->mesh().width, kWidth);
+  EXPECT_EQ(half.surface.space->mesh().height, kHeight);
+  ASSERT_EQ(half.surface.space->function_count(), draft.surface.space->function_count());
+  const spline::Basis fine_basis(draft.surface.space), half_basis(half.surface.space);
+  std::mt19937 random(2);
+  std::vector<spline::BasisValue> a, b;
+  for (int i = 0; i < 300; ++i) {
+    const Vec2 u{double(random() % 10000) * kWidth / 10000, double(random() % 10000) * kHeight / 10000};
+    fine_basis.evaluate(2.0 * u, a);
+    half_basis.evaluate(u, b);
+    ASSERT_EQ(a.size(), b.size());
+    for (std::size_t k = 0; k < a.size(); ++k) {
+      ASSERT_EQ(a[k].function, b[k].function);
+      ASSERT_NEAR(a[k].value, b[k].value, 1e-9);
+    }
+  }
+
+  Halved on_picture(start->mapped, picture);
+  const Samples& samples = on_picture.samples();
+  ASSERT_EQ(samples.places().size(), picture.pixel_count());
+  ASSERT_EQ(samples.curves().size(), start->samples->curves().size());
+  for (std::size_t i = 0; i < samples.curves().size(); ++i) {
+    const fit::CurvePoint &p = samples.curves()[i], &fine = start->samples->curves()[i];
+    EXPECT_NEAR(norm(p.parameter - 0.5 * fine.parameter), 0, 1e-12);
+    EXPECT_NEAR(norm(p.position - 0.5 * fine.position), 0, 1e-12);
+  }
+  for (int y = 0; y < kHeight; ++y) {
+    for (int x = 0; x < kWidth; ++x) {
+      const Vec2 place = samples.places()[std::size_t(y * kWidth + x)];
+      Vec2 mean;
+      for (const int row : {2 * y, 2 * y + 1}) {
+        for (const int column : {2 * x, 2 * x + 1})
+          mean = mean + 0.125 * start->samples->places()[std::size_t(row * 2 * kWidth + column)];
+      }
+      ASSERT_NEAR(norm(place - mean), 0, 1e-6);
+    }
+  }
+}
+
+TEST(FineGrid, WhatIsLeftOutGetsKnots) {
+  // A ring, and a soft spot that is no feature and is lost in the mean.
+  const image::Image picture = draw(160, 120, 1, [](double x, double y) {
+    const double ring = std::abs(std::hypot(x - 110, y - 60) - 30);
+    const double spot = std::hypot(x - 30, y - 30) / 5;
+    return Colour{(ring < 1 ? 60 : 200) - 60 * std::exp(-spot * spot)};
+  });
+  const auto error_of_spot = [&](double block_error) {
+    Options options;
+    options.block_error = block_error;
+    const Vectorization made = vectorize_picture(picture, options);
+    EXPECT_TRUE(made.report.fine_grid);
+    const image::Image drawn = rendered(made.model);
+    double squared = 0;
+    for (int y = 20; y < 40; ++y) {
+      for (int x = 20; x < 40; ++x) squared += std::pow(drawn.at(x, y, 0) - picture.at(x, y, 0), 2);
+    }
+    return std::sqrt(squared / 400);
+  };
+  EXPECT_LT(error_of_spot(0.5), 0.6 * error_of_spot(0));
+}
+
+TEST(FineGrid, StagesShowThePictureThatTheyWorkOn) {
+  const image::Image picture = thin_strokes(1);
+  std::vector<std::string> fine, given;
+  vectorize_picture(picture, {}, [&](const Progress& p) {
+    ASSERT_TRUE(p.picture);
+    (p.picture == &picture ? given : fine).push_back(p.stage);
+    const int scale = p.picture == &picture ? 1 : 2;
+    EXPECT_EQ(p.picture->width, scale * kWidth);
+    EXPECT_TRUE(!p.detected || p.detected->width == scale * kWidth);
+    EXPECT_TRUE(!p.model || p.model->space->mesh().width == scale * kWidth);
+  });
+  EXPECT_EQ(fine.front(), "features");
+  EXPECT_EQ(given, std::vector<std::string>{"final"});
+}
+
+TEST(FineGrid, ErrorsOfPixelsAreThoseOfTheirQuarters) {
+  EXPECT_EQ(on_fine_pixels({1, 2, 3, 4}, 2),
+            (std::vector<float>{1, 1, 2, 2, 1, 1, 2, 2, 3, 3, 4, 4, 3, 3, 4, 4}));
+}
+
+}  // namespace
+}  // namespace knotreel::vectorize
