@@ -16,6 +16,15 @@ const std::map<std::string, vectorize::Preset> kPresets{{"fast", vectorize::Pres
                                                         {"balanced", vectorize::Preset::kBalanced},
                                                         {"fine", vectorize::Preset::kFine}};
 
+const std::map<std::string, vectorize::FineGrid> kFineGrids{{"none", vectorize::FineGrid::kNone},
+                                                            {"drawings", vectorize::FineGrid::kDrawings},
+                                                            {"all", vectorize::FineGrid::kAll}};
+
+std::string fine_grid_name(vectorize::FineGrid which) {
+  return std::find_if(kFineGrids.begin(), kFineGrids.end(), [&](const auto& g) { return g.second == which; })
+      ->first;
+}
+
 /// Numbers that an option may take.
 struct Range {
   double low;
@@ -96,10 +105,15 @@ void add_features(CLI::App& command, VectorizeOptions& options) {
              by_preset([](const vectorize::Options& o) { return text_of(o.detect.max_blur); }));
   command.add_flag("--no-features", options.no_features, "Look for no features: smooth everywhere");
   command.add_flag("--no-fairing", options.no_fairing, "Leave the curves of features as they were found");
-  command.add_flag("--no-fine-grid", options.no_fine_grid,
-                   "Look for features of drawings on the pixels of the picture, not on ones of\n"
-                   "half the size: half the time, but thin strokes and small letters blur;\n"
-                   "so with fast, and in videos");
+  command
+      .add_option("--fine-grid", options.fine_grid,
+                  "Find features on pixels of half the size, in twice the time and memory, so that\n"
+                  "thin strokes and small letters are drawn as such: none, drawings or all\n"
+                  "pictures; never of videos\n(default " +
+                      by_preset([](const vectorize::Options& o) { return fine_grid_name(o.fine_grid); }) +
+                      ")")
+      ->check(CLI::IsMember(kFineGrids).description(""))
+      ->type_name("WHICH");
   command.add_flag("--no-corner-detection", options.no_corner_detection,
                    "Leave the corners of features as round as they were found");
   command.add_flag("--no-colour-correction", options.no_colour_correction,
@@ -169,7 +183,7 @@ vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_
 
   options.features = !given.no_features;
   options.fairing = !given.no_fairing;
-  options.fine_grid = options.fine_grid && !given.no_fine_grid;
+  if (given.fine_grid) options.fine_grid = kFineGrids.at(*given.fine_grid);
   options.corner_detection = !given.no_corner_detection;
   options.colour_correction = !given.no_colour_correction;
   options.picture_links = !given.no_picture_links;
@@ -202,7 +216,8 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
           {"picture_links", o.picture_links},
           {"smooth_corners", o.colour.smooth_corners},
           {"clear_curves", o.clear_curves},
-          {"fine_grid", o.fine_grid},
+          {"clear_inside", o.clear_inside},
+          {"fine_grid", fine_grid_name(o.fine_grid)},
           {"detect",
            {{"smoothing", o.detect.smoothing},
             {"edge_threshold", o.detect.edge_threshold},

@@ -28,7 +28,7 @@ struct VectorizeOptions {
   std::uint64_t seed = 1;
   bool no_features = false;
   bool no_fairing = false;
-  bool no_fine_grid = false;
+  std::optional<std::string> fine_grid;
   bool no_corner_detection = false;
   bool no_colour_correction = false;
   bool no_knot_optimisation = false;

@@ -36,8 +36,12 @@ class Tangents {
  public:
   /// @param curves, segments as clear_tangents().
   Tangents(const EditableMesh& mesh, std::span<const fit::CurvePoint> curves,
-           std::span<const std::uint32_t> segments)
-      : mesh_(mesh), at_(mesh.knot_slots()), image_(mesh.knot_slots()), joint_(mesh.knot_slots(), false) {
+           std::span<const std::uint32_t> segments, bool inside)
+      : mesh_(mesh),
+        inside_(inside),
+        at_(mesh.knot_slots()),
+        image_(mesh.knot_slots()),
+        joint_(mesh.knot_slots(), false) {
     for (std::size_t i = 0; i < curves.size(); ++i) find_ends(curves[i], mesh.segments()[segments[i]]);
     for (std::size_t begin = 0, end = 0; begin < curves.size(); begin = end) {
       while (end < curves.size() && segments[end] == segments[begin]) ++end;
@@ -71,7 +75,8 @@ class Tangents {
     add(a, b, curve);
     std::reverse(curve.begin(), curve.end());
     add(b, a, curve);
-    for (std::size_t i = 1; i + 1 < segment.knots.size(); ++i) add_inside(segment.knots[i], segment, points);
+    for (std::size_t i = 1; inside_ && i + 1 < segment.knots.size(); ++i)
+      add_inside(segment.knots[i], segment, points);
   }
 
   /// At a knot inside a segment the curve goes on both ways.
@@ -122,6 +127,7 @@ class Tangents {
   }
 
   const EditableMesh& mesh_;
+  bool inside_;
   std::vector<std::vector<Tangent>> at_;
   std::vector<std::optional<Vec2>> image_;  ///< of knots at ends
   std::vector<bool> joint_;
@@ -151,7 +157,6 @@ class Clearer {
   };
 
   void clear(KnotIndex k) {
-    // Inside a segment the curve leaves it by little, which is not worth a knot.
     const bool may_part = mesh_.knot(k).kind != mesh::KnotKind::kSegment;
     const auto mend = [&](const Crowded& c) { return flip_away(c) || (may_part && part(c)); };
     for (int i = 0; i < kMostEdges && !tangents_[k].empty(); ++i) {
@@ -260,8 +265,8 @@ class Clearer {
 
 std::size_t clear_tangents(EditableMesh& mesh, const knots::Target& target,
                            std::span<const fit::CurvePoint> curves, std::span<const std::uint32_t> segments,
-                           std::size_t most, double min_distance) {
-  return Clearer(mesh, target, Tangents(mesh, curves, segments).take(), most, min_distance).run();
+                           bool inside, std::size_t most, double min_distance) {
+  return Clearer(mesh, target, Tangents(mesh, curves, segments, inside).take(), most, min_distance).run();
 }
 
 }  // namespace knotreel::vectorize

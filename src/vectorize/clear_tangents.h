@@ -16,10 +16,12 @@ namespace knotreel::vectorize {
 /// does not mind; else a knot comes beside them, and they are flipped then.
 /// @param curves points of features, in their order along each segment. @param segments of the mesh, parallel
 /// to these.
+/// @param inside knots inside segments, too, at which edges are flipped but no knots come beside them: a
+/// curve leaves its segment by little there.
 /// @param most knots to insert. @param min_distance of these from others, pixels.
 /// @return how many were inserted.
 std::size_t clear_tangents(mesh::EditableMesh& mesh, const knots::Target& target,
                            std::span<const fit::CurvePoint> curves, std::span<const std::uint32_t> segments,
-                           std::size_t most, double min_distance);
+                           bool inside, std::size_t most, double min_distance);
 
 }  // namespace knotreel::vectorize

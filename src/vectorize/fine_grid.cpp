@@ -81,8 +81,10 @@ MappedPicture halved(const MappedPicture& fine, const image::Image& picture) {
 }  // namespace
 
 bool wants_fine_grid(const image::Image& picture, const Options& options) {
-  return options.fine_grid && options.features && picture.pixel_count() <= kMostPixels &&
-         features::is_drawing(picture) && has_edges_between_pixels(picture, options.detect);
+  if (options.fine_grid == FineGrid::kNone || !options.features || picture.pixel_count() > kMostPixels)
+    return false;
+  if (options.fine_grid == FineGrid::kDrawings && !features::is_drawing(picture)) return false;
+  return has_edges_between_pixels(picture, options.detect);
 }
 
 Options on_fine_grid(Options options) {

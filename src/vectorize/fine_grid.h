@@ -8,12 +8,12 @@
 #include "vectorize/mapped_picture.h"
 #include "vectorize/samples.h"
 
-/// Drawings are mapped, and their knots placed, on pixels of half the size, where strokes of one or two
-/// pixels have two sides (docs/decisions/0044). What is found there is halved before the last fit, which is
-/// to the picture itself.
+/// Pictures, above all drawings, are mapped, and their knots placed, on pixels of half the size, where
+/// strokes of one or two pixels have two sides (docs/decisions/0044). What is found there is halved before
+/// the last fit, which is to the picture itself.
 namespace knotreel::vectorize {
 
-/// Whether a picture is such a drawing, and not too large for it.
+/// Whether a picture is to be so, by the options and what is in it.
 bool wants_fine_grid(const image::Image& picture, const Options& options);
 
 /// The same settings in pixels of half the size.

@@ -57,7 +57,7 @@ Options preset_options(Preset preset) {
       options.optimise.rounds = 1;
       options.optimise.steps = 2;
       options.descent_steps = 0;
-      options.fine_grid = false;
+      options.fine_grid = FineGrid::kNone;
       break;
     case Preset::kBalanced:
       break;
@@ -97,8 +97,8 @@ Options video_options(Options picture) {
   picture.drawn_weak_share = picture.weak_share;
   // The frames behind bend their curves to their edges, which are round there (docs/decisions/0039).
   picture.corner_detection = false;
-  picture.clear_curves = false;
-  picture.fine_grid = false;
+  picture.clear_curves = picture.clear_inside = false;
+  picture.fine_grid = FineGrid::kNone;
   picture.drawn_distance = picture.parametrize.polyline_distance;
   // The frames behind are not fitted so: it would take a tenth of their time (docs/decisions/0038).
   picture.mixed_weight = 0;
@@ -106,7 +106,8 @@ Options video_options(Options picture) {
 }
 
 Options drawn_video_options(Options picture) {
-  picture.fine_grid = false;
+  picture.clear_inside = false;  // 0.1 dB worse there
+  picture.fine_grid = FineGrid::kNone;
   picture.drawn_threshold = 0;
   // Whether a feature is weak changes from frame to frame.
   picture.drawn_weak_share = picture.feature_share;

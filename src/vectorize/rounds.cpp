@@ -124,7 +124,7 @@ void Rounds::keep_bound(bool last_round) {
 
 void Rounds::fit(bool last_round) {
   if (samples_.has_features() && options_.clear_curves) {
-    clear_tangents(*mesh_, target_, samples_.curves(), samples_.curve_segments(),
+    clear_tangents(*mesh_, target_, samples_.curves(), samples_.curve_segments(), options_.clear_inside,
                    static_cast<std::size_t>(kShareBesideCurves * static_cast<double>(mesh_->knot_count())),
                    options_.optimise.min_distance);
     log_.lap("tangents");

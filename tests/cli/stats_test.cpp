@@ -86,6 +86,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "picture_links",
                                  "smooth_corners",
                                  "clear_curves",
+                                 "clear_inside",
                                  "fine_grid",
                                  "detect",
                                  "drawn_blur",
@@ -99,8 +100,8 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "optimise",
                                  "colour",
                                  "geometry"});
-  expect_keys(stats["features"],
-              {"chains", "over_budget", "corners", "pixels", "polyline_vertices", "folds_left", "dropped"});
+  expect_keys(stats["features"], {"chains", "over_budget", "corners", "pixels", "polyline_vertices",
+                                  "folds_left", "dropped", "fine_grid"});
   for (const json& round : stats["rounds"]) {
     expect_keys(round,
                 {"name", "knots", "control_points", "mec", "meg", "psnr", "raw_bytes", "milliseconds"});
@@ -176,7 +177,9 @@ TEST(CliDebugDir, HoldsAPictureOfEveryStage) {
   for (const std::string& name : wanted) {
     const image::Image picture = image::read_image(sample.debug + "/" + name);
     const bool fit = name.ends_with("-fit.png");
-    EXPECT_TRUE(fit ? picture.width == 48 : picture.width > 48) << name;
+    // Of drawings as this one, what comes before the end is on pixels of half the size.
+    const int width = name.find("final") == std::string::npos ? 96 : 48;
+    EXPECT_TRUE(fit ? picture.width == width : picture.width > width) << name;
   }
   EXPECT_GT(stats["seconds"]["debug"], 0.0);
 }

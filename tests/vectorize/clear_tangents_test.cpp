@@ -90,7 +90,7 @@ TEST(ClearTangents, EdgesAlongCurvesAreFlippedWhereThePictureIsFlat) {
   const Row row = row_of_circles();
   EXPECT_GT(tangents(row.mesh), 8);
   EditableMesh mesh(row.mesh);
-  EXPECT_EQ(clear_tangents(mesh, flat_target(), row.curves, row.segments, 40, 1), 0U);
+  EXPECT_EQ(clear_tangents(mesh, flat_target(), row.curves, row.segments, false, 40, 1), 0U);
   const mesh::KnotMesh cleared = mesh.to_mesh();
   EXPECT_EQ(tangents(cleared), 0);
   EXPECT_FALSE(mesh::find_defect(cleared));
@@ -99,21 +99,21 @@ TEST(ClearTangents, EdgesAlongCurvesAreFlippedWhereThePictureIsFlat) {
 TEST(ClearTangents, KnotsComeBesideThoseThatThePictureNeeds) {
   const Row row = row_of_circles();
   EditableMesh mesh(row.mesh);
-  const std::size_t inserted = clear_tangents(mesh, two_colours(), row.curves, row.segments, 40, 1);
+  const std::size_t inserted = clear_tangents(mesh, two_colours(), row.curves, row.segments, false, 40, 1);
   EXPECT_GT(inserted, 0U);
   const mesh::KnotMesh cleared = mesh.to_mesh();
   EXPECT_LE(tangents(cleared), 1) << "but where no knot fits in";
   EXPECT_EQ(cleared.knots.size(), row.mesh.knots.size() + inserted);
   EXPECT_EQ(cleared.segments.size(), row.mesh.segments.size());
   EXPECT_FALSE(mesh::find_defect(cleared));
-  EXPECT_EQ(clear_tangents(mesh, two_colours(), row.curves, row.segments, 40, 1), 0U) << "it was done";
+  EXPECT_EQ(clear_tangents(mesh, two_colours(), row.curves, row.segments, true, 40, 1), 0U) << "it was done";
 }
 
 TEST(ClearTangents, InsertsNoMoreThanItMay) {
   const Row row = row_of_circles();
   for (const std::size_t most : {0, 1, 2}) {
     EditableMesh mesh(row.mesh);
-    EXPECT_EQ(clear_tangents(mesh, two_colours(), row.curves, row.segments, most, 1), most);
+    EXPECT_EQ(clear_tangents(mesh, two_colours(), row.curves, row.segments, false, most, 1), most);
     EXPECT_FALSE(mesh::find_defect(mesh.to_mesh()));
   }
 }
@@ -135,7 +135,7 @@ TEST(ClearTangents, AnyMeshStaysSound) {
     const image::Image picture =
         draw(int(c.mesh.width), int(c.mesh.height), 1, [](double x, double y) { return Colour{x + y}; });
     EditableMesh mesh(c.mesh);
-    clear_tangents(mesh, knots::Target(picture, {}), curves, segments, 100, 1);
+    clear_tangents(mesh, knots::Target(picture, {}), curves, segments, true, 100, 1);
     const auto defect = mesh::find_defect(mesh.to_mesh());
     EXPECT_FALSE(defect) << c.name << ": " << *defect;
   }

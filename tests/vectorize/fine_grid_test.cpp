@@ -42,7 +42,7 @@ TEST(FineGrid, ThinStrokesHaveTwoSides) {
   const image::Image picture = thin_strokes(1);
   Options options;
   const Vectorization fine = vectorize_picture(picture, options);
-  options.fine_grid = false;
+  options.fine_grid = FineGrid::kNone;
   const Vectorization plain = vectorize_picture(picture, options);
   EXPECT_TRUE(fine.report.fine_grid);
   EXPECT_FALSE(plain.report.fine_grid);
@@ -70,6 +70,9 @@ TEST(FineGrid, IsForDrawingsOfModestSizeWithEdgesBetweenPixels) {
   std::mt19937 random(5);
   for (float& sample : noise.samples) sample += float(random() % 9);
   EXPECT_FALSE(wants_fine_grid(noise, options));
+  Options all = options;
+  all.fine_grid = FineGrid::kAll;
+  EXPECT_TRUE(wants_fine_grid(noise, all));
   EXPECT_FALSE(wants_fine_grid(image::make_image(200, 100, 1), options)) << "where there is nothing";
   image::Image large = image::make_image(1600, 1200, 1);
   for (std::size_t i = 0; i < large.samples.size(); ++i)
@@ -78,9 +81,9 @@ TEST(FineGrid, IsForDrawingsOfModestSizeWithEdgesBetweenPixels) {
   Options without = options;
   without.features = false;
   EXPECT_FALSE(wants_fine_grid(thin_strokes(1), without));
-  EXPECT_FALSE(video_options(options).fine_grid);
-  EXPECT_FALSE(drawn_video_options(options).fine_grid);
-  EXPECT_FALSE(preset_options(Preset::kFast).fine_grid);
+  for (const Options& none :
+       {video_options(options), drawn_video_options(options), preset_options(Preset::kFast)})
+    EXPECT_FALSE(wants_fine_grid(thin_strokes(1), none));
 }
 
 TEST(FineGrid, ThePictureGetsWhatTheGridHas) {

@@ -240,7 +240,7 @@ TEST(Vectorize, OnceTheMeanIsMetKnotsGoToWhatIsLeftOutOnly) {
   const image::Image picture = soft_spot(1.5);
   Options options;
   options.block_error = 1.6;
-  options.fine_grid = false;
+  options.fine_grid = FineGrid::kNone;
   const Vectorization v = vectorize_picture(picture, options);
   const auto used = [&](std::size_t round) {
     return static_cast<double>(v.report.rounds[round].control_points);
@@ -452,7 +452,7 @@ TEST(Vectorize, ReportsAndShowsEveryStage) {
   const image::Image picture = still_life(90, 70);
   std::vector<std::string> stages;
   Options options{.max_control_points = 1000};  // enough for the features that are found at first
-  options.fine_grid = false;
+  options.fine_grid = FineGrid::kNone;
   const Vectorization v = vectorize_picture(picture, options, [&](const Progress& p) {
     stages.push_back(p.stage);
     EXPECT_EQ(p.picture, &picture);
@@ -562,6 +562,7 @@ TEST(VideoOptions, DrawnFramesHaveWhatPicturesHaveButForFaintAndWeakFeatures) {
   const Options drawn = drawn_video_options(picture);
   EXPECT_TRUE(drawn.corner_detection);
   EXPECT_TRUE(drawn.clear_curves);
+  EXPECT_FALSE(drawn.clear_inside);
   EXPECT_EQ(drawn.mixed_weight, picture.mixed_weight);
   EXPECT_EQ(drawn.feature_share, picture.feature_share);
   EXPECT_EQ(drawn.mec, 1.5);

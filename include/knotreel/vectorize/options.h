@@ -22,6 +22,15 @@ enum class Preset : std::uint8_t {
   kFine,      ///< until more effort brings little
 };
 
+/// Which pictures have features found, and knots placed, on pixels of half the size, where strokes of one or
+/// two pixels have two sides (docs/decisions/0044): of those of up to 1.25 megapixels with edges that do not
+/// all come in steps.
+enum class FineGrid : std::uint8_t {
+  kNone,
+  kDrawings,  ///< features::is_drawing()
+  kAll,
+};
+
 /// All settings of a picture's way to a vector model. Lengths are pixels, errors levels of 0..255.
 struct Options {
   int degree = 2;  ///< of the splines, 1 to 3
@@ -78,10 +87,9 @@ struct Options {
   /// Curves have room: segments of less than three pixels have no knots inside, and edges of the mesh leave
   /// the ends of others beside the curve, not along it (docs/decisions/0043).
   bool clear_curves = true;
-  /// Features of drawings (features::is_drawing()) are found, and knots placed, on pixels of half the size,
-  /// where strokes of one or two pixels have two sides (docs/decisions/0044): up to 1.25 megapixels, and
-  /// unless most edges come in steps. Lengths and thresholds of other options stay those of the picture.
-  bool fine_grid = true;
+  bool clear_inside = true;  ///< with clear_curves, at knots inside segments, too
+  /// Takes twice the time. Lengths and thresholds of other options stay those of the picture.
+  FineGrid fine_grid = FineGrid::kDrawings;
 
   knots::OptimiseOptions optimise{.rounds = 1, .steps = 4};
   fit::ColourFitOptions colour{.precision = fit::Precision::kSingle};
