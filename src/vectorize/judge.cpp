@@ -29,7 +29,8 @@ Missed Judge::missed_as_fitted() {
   }
   if (options_.block_error == 0) return {};
   return worst_blocks(
-      fit::squared_errors(draft_.surface.fit.residual, samples_.weights(), samples_.picture()));
+      fit::squared_errors(draft_.surface.fit.residual, samples_.weights(), samples_.picture()),
+      samples_.picture());
 }
 
 /// By what would be drawn: most blocks that are missed are beside features, and look worse than they will
@@ -39,7 +40,7 @@ Missed Judge::missed_as_drawn() {
     const Outlook then = outlook(options_, samples_, log_, draft_);
     if (then.mec > options_.mec) return {.means = true, .blocks = {}};
     if (options_.block_error == 0) return {};
-    Missed missed = worst_blocks(then.squared_errors);
+    Missed missed = worst_blocks(then.squared_errors, samples_.picture());
     good_.assign(then.squared_errors.size(), 1);
     for (std::size_t i = 0; i < missed.blocks.size(); ++i) good_[i] = missed.blocks[i] == 0 ? 1 : 0;
     return missed;
@@ -48,7 +49,7 @@ Missed Judge::missed_as_drawn() {
   for (std::size_t i = 0; i < errors.size(); ++i) {
     if (good_[i] != 0 || samples_.weights()[i] < 1) errors[i] = 0;
   }
-  return worst_blocks(std::move(errors));
+  return worst_blocks(std::move(errors), samples_.picture());
 }
 
 /// A fine grid has four pixels for each of the picture, and edges that are spread over some of them: only
@@ -58,14 +59,12 @@ Missed Judge::missed_in_picture() {
   if (then.mec > options_.mec || log_.round().meg > options_.meg) return {.means = true, .blocks = {}};
   if (options_.block_error == 0) return {};
   const image::Image& picture = of_picture_->picture();
-  const double bound = options_.mec * options_.block_error;
-  std::vector<float>& errors = then.squared_errors;
-  if (knots::keep_worst_blocks(errors, picture.width, picture.height, bound) == 0) return {};
-  return {.means = false, .blocks = on_fine_pixels(errors, picture.width)};
+  Missed missed = worst_blocks(std::move(then.squared_errors), picture);
+  missed.blocks = on_fine_pixels(missed.blocks, picture.width);
+  return missed;
 }
 
-Missed Judge::worst_blocks(std::vector<float> errors) const {
-  const image::Image& picture = samples_.picture();
+Missed Judge::worst_blocks(std::vector<float> errors, const image::Image& picture) const {
   const double bound = options_.mec * options_.block_error;
   if (knots::keep_worst_blocks(errors, picture.width, picture.height, bound) == 0) return {};
   return {.means = false, .blocks = std::move(errors)};

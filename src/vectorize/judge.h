@@ -30,7 +30,7 @@ class Judge {
   Missed missed_as_fitted();
   Missed missed_as_drawn();
   Missed missed_in_picture();
-  Missed worst_blocks(std::vector<float> errors) const;
+  Missed worst_blocks(std::vector<float> errors, const image::Image& picture) const;
 
   const Options& options_;
   Samples& samples_;

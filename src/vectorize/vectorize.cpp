@@ -72,16 +72,14 @@ class Run {
  private:
   /// @param options in pixels of the grid.
   Vectorization run(const Grid& grid, const Options& options, std::size_t max_functions) {
-    scale_ = grid.scale();
     std::unique_ptr<Start> start = make_start(grid, options, max_functions, log_);
     std::optional<Halved> half;
-    if (scale_ > 1) half.emplace(start->mapped, picture_);
+    if (grid.scale() > 1) half.emplace(start->mapped, picture_);
     improve(*start, half ? &half->samples() : nullptr, options, max_functions);
     draft_.steering.reset();
     log_.begin_round("final");
     if (!half) return finished(*start->samples);
     draft_ = halved(draft_);
-    scale_ = 1;
     log_.progress = {};
     log_.progress.picture = &picture_;
     start.reset();
@@ -121,7 +119,7 @@ class Run {
     RoundReport& report = log_.round();
     report.knots = draft_.surface.space->mesh().knots.size();
     report.control_points = draft_.surface.space->function_count();
-    report.meg = draft_.meg / scale_;
+    report.meg = draft_.meg * picture_.width / samples.picture().width;
     measure_colours(samples, draft_, report);
     model_ = draft_.model(picture_.channels);
     report.raw_bytes = document::raw_accounting_bytes(model_);
@@ -132,7 +130,6 @@ class Run {
 
   const image::Image& picture_;
   const Options& options_;
-  int scale_ = 1;  ///< pixels of the grid in work per pixel of the picture, along a row
   RunLog log_;
   Draft draft_;
   document::FrameModel model_;

@@ -88,7 +88,8 @@ struct Options {
   /// the ends of others beside the curve, not along it (docs/decisions/0043).
   bool clear_curves = true;
   bool clear_inside = true;  ///< with clear_curves, at knots inside segments, too
-  /// Takes twice the time. Lengths and thresholds of other options stay those of the picture.
+  /// Takes about twice the time, and up to three times the memory. Lengths and thresholds of other options
+  /// stay those of the picture.
   FineGrid fine_grid = FineGrid::kDrawings;
 
   knots::OptimiseOptions optimise{.rounds = 1, .steps = 4};
