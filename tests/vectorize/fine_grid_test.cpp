@@ -138,7 +138,7 @@ TEST(FineGrid, ThePictureGetsWhatTheGridHas) {
   }
 }
 
-TEST(FineGrid, WhatIsLeftOutGetsKnots) {
+TEST(FineGrid, NoPartIsLeftOut) {
   // A ring, and a soft spot that is no feature and is lost in the mean.
   const image::Image picture = draw(160, 120, 1, [](double x, double y) {
     const double ring = std::abs(std::hypot(x - 110, y - 60) - 30);
@@ -173,6 +173,24 @@ TEST(FineGrid, StagesShowThePictureThatTheyWorkOn) {
   });
   EXPECT_EQ(fine.front(), "features");
   EXPECT_EQ(given, std::vector<std::string>{"final"});
+}
+
+TEST(FineGrid, StepsAreToldInThePicture) {
+  // A ring with mixed pixels, and a disc without any.
+  const image::Image picture = draw(130, 80, 1, [](double x, double y) {
+    if (std::abs(std::hypot(x - 35, y - 40) - 20) < 2) return Colour{20};
+    const double column = std::floor(x) + 0.5, row = std::floor(y) + 0.5;
+    return Colour{std::hypot(column - 95.3, row - 40.2) < 20 ? 40.0 : 230.0};
+  });
+  const image::Image enlarged = image::enlarge_twofold(picture);
+  const Options options = on_fine_grid(Options{});
+  const Observer observer;
+  RunLog log(enlarged, observer);
+  log.begin_round("round 1");
+  const auto start = make_start({enlarged, picture}, options, 3000, log);
+  ASSERT_EQ(start->mapped.faired.chains.size(), 3U);
+  for (const features::Chain& chain : start->mapped.faired.chains)
+    EXPECT_EQ(chain.stepped, chain.points.front().x > 130) << chain.points.front().x;
 }
 
 TEST(FineGrid, ErrorsOfPixelsAreThoseOfTheirQuarters) {
