@@ -85,8 +85,13 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
       vectorize::video_options(picture_options(run, pixels, vectorize::default_video_control_points(pixels)));
   job.tracking = run.tracking;
   if (job.cold.features && !run.no_drawn_frames) {
-    job.tracking.drawn = std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(
-        picture_options(run, pixels, vectorize::default_drawn_video_control_points(pixels))));
+    const auto drawn = [&](std::size_t most) {
+      return std::make_shared<const vectorize::Options>(
+          vectorize::drawn_video_options(picture_options(run, pixels, most)));
+    };
+    job.tracking.drawn = drawn(vectorize::default_drawn_video_control_points(pixels));
+    if (!run.options.max_control_points)
+      job.tracking.dense = drawn(vectorize::default_dense_video_control_points(pixels));
   }
   job.document = run.document;
   job.split_folder = run.split_folder;

@@ -6,15 +6,8 @@
 #include <vector>
 
 namespace knotreel::features {
-namespace {
-
-constexpr double kNearEnough = 2;  // pixels
-constexpr int kPixelsAround =
-    3;  // pixels from a place to those whose points can be as near: points are within one of theirs
-
-}  // namespace
-
-void prefer_points(FeatureChains& chains, std::span<const Vec2> places) {
+void prefer_points(FeatureChains& chains, std::span<const Vec2> places, double distance) {
+  const int around = static_cast<int>(distance) + 1;  // points are within a pixel of theirs
   std::vector<ChainPoint*> at(static_cast<std::size_t>(chains.width) *
                               static_cast<std::size_t>(chains.height));
   for (Chain& chain : chains.chains) {
@@ -29,11 +22,9 @@ void prefer_points(FeatureChains& chains, std::span<const Vec2> places) {
     const int column = static_cast<int>(place.x);
     const int row = static_cast<int>(place.y);
     ChainPoint* nearest = nullptr;
-    double least = kNearEnough;
-    for (int y = std::max(0, row - kPixelsAround); y <= std::min(chains.height - 1, row + kPixelsAround);
-         ++y) {
-      for (int x = std::max(0, column - kPixelsAround);
-           x <= std::min(chains.width - 1, column + kPixelsAround); ++x) {
+    double least = distance;
+    for (int y = std::max(0, row - around); y <= std::min(chains.height - 1, row + around); ++y) {
+      for (int x = std::max(0, column - around); x <= std::min(chains.width - 1, column + around); ++x) {
         ChainPoint* const p = at[static_cast<std::size_t>(y) * static_cast<std::size_t>(chains.width) +
                                  static_cast<std::size_t>(x)];
         if (p == nullptr || norm(p->on_curve() - place) >= least) continue;

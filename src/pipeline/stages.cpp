@@ -79,18 +79,22 @@ void Stages::plan(Message& message) {
 void Stages::ahead(Message& message) {
   if (message.starts_group) {
     if (groups_at_once_) cold(message);
-  } else if (message.stretch->tracker.is_drawing() && !message.same_picture) {
-    timed(failure_, "curves", message,
-          [&] { message.ahead.curves = track::find_drawn_curves(*message.picture, *job_.tracking.drawn); });
+    return;
   }
+  const track::Drawing how = message.stretch->tracker.drawing();
+  if (how == track::Drawing::kNone || message.same_picture) return;
+  timed(failure_, "curves", message, [&] {
+    message.ahead.curves = track::find_drawn_curves(*message.picture, *job_.tracking.drawn, how);
+  });
 }
 
 void Stages::cold(Message& message) {
   timed(failure_, "cold", message, [&] {
     const Urgent urgent(is_awaited(message));
     const auto observer = job_.watch.cold ? job_.watch.cold(message.index) : vectorize::Observer();
-    message.ahead.cold = track::make_cold_frame(*message.picture, job_.cold, job_.tracking.drawn.get(),
-                                                job_.tracking.colour_step, observer);
+    message.ahead.cold = track::make_cold_frame(
+        *message.picture, {job_.cold, job_.tracking.drawn.get(), job_.tracking.dense.get()},
+        job_.tracking.colour_step, observer);
   });
 }
 

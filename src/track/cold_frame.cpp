@@ -18,7 +18,8 @@
 namespace knotreel::track {
 namespace {
 
-// By which a drawing must be better with the options of drawings, since its frames take longer then; dB.
+// By which a drawing must be better with the options of drawings, or densely, since its frames take longer
+// then; dB.
 constexpr double kGainOfDrawing = 0.5;
 // Share of the control points that it may use up: features change from frame to frame, and need room for
 // that.
@@ -42,18 +43,21 @@ double worth(const ColdFrame& cold, const image::Image& picture) {
          10 * std::log10(static_cast<double>(cold.frame.space->function_count()));
 }
 
-}  // namespace
+enum class Way : std::uint8_t { kFilm, kDrawn, kDense };
 
-std::shared_ptr<ColdFrame> cold_frame_with(const vectorize::Options& options, bool is_drawn,
-                                           const image::Image& picture, double colour_step,
-                                           const vectorize::Observer& observer) {
+const vectorize::Options& options_for(Way way, const ColdOptions& options) {
+  return way == Way::kFilm ? options.film : way == Way::kDrawn ? *options.drawn : *options.dense;
+}
+
+std::shared_ptr<ColdFrame> made_in(Way way, const ColdOptions& options, const image::Image& picture,
+                                   double colour_step, const vectorize::Observer& observer = {}) {
   const Clock::time_point start = Clock::now();
-  vectorize::Vectorization made = vectorize::vectorize_picture(picture, options, observer);
+  vectorize::Vectorization made = vectorize::vectorize_picture(picture, options_for(way, options), observer);
   const auto cold = std::make_shared<ColdFrame>();
   FittedFrame& frame = cold->frame;
-  if (is_drawn) {
+  if (way != Way::kFilm) {
     frame.drawn = {made.report.feature_share, made.report.chains_over_budget > 0,
-                   made.report.strong_over_budget};
+                   made.report.strong_over_budget, made.report.fine_grid, way == Way::kDense};
   }
   frame.space = made.model.space;
   frame.displacement = std::move(made.model.displacement);
@@ -74,86 +78,112 @@ std::shared_ptr<ColdFrame> cold_frame_with(const vectorize::Options& options, bo
   return cold;
 }
 
-namespace {
-
 bool has_crisp_edges(const FittedFrame& frame) {
   return !frame.space->mesh().segments.empty() && frame.edge_softness <= kCrisp;
+}
+
+double most_functions(const vectorize::Options& options, const image::Image& picture) {
+  return static_cast<double>(vectorize::most_control_points(options, picture));
+}
+
+bool has_room(const ColdFrame& cold, const vectorize::Options& options, const image::Image& picture) {
+  return static_cast<double>(cold.frame.space->function_count()) <=
+         kMostOfBound * most_functions(options, picture);
+}
+
+bool is_poor(const ColdFrame& cold, const vectorize::Options& options, const image::Image& picture) {
+  return quality_of(cold.frame.colours.residual, cold.frame.seen.weights, picture).mec > options.mec;
 }
 
 /// Thrown by observers of frames that are not wanted any more.
 struct CalledOff {};
 
-/// Of a drawing, which is made in both ways at once.
-class TwoWays {
+/// Of a drawing, which is made in all ways that may be worth it.
+class Ways {
  public:
-  TwoWays(const image::Image& picture, const vectorize::Options& film, const vectorize::Options& drawn,
-          double colour_step)
-      : picture_(picture), film_options_(film), drawn_options_(drawn), colour_step_(colour_step) {
+  Ways(const image::Image& picture, const ColdOptions& options, double colour_step)
+      : picture_(picture), options_(options), colour_step_(colour_step) {
     parallel_invoke([&] { make_drawing(); }, [&] { make_film(); });
-    if (drawing_ && has_crisp_edges(drawing_->frame)) return;
-    if (!film_) film_ = cold_frame_with(film_options_, false, picture_, colour_step_, {});
-    if (drawing_ && worth(*drawing_, picture_) < worth(*film_, picture_) + kGainOfDrawing) drawing_.reset();
+    if (drawing_ && best_ == Way::kDrawn && has_crisp_edges(drawing_->frame)) return;
+    if (!film_) film_ = made_in(Way::kFilm, options_, picture_, colour_step_);
+    if (drawing_ && worth(*drawing_, picture_) >= worth(*film_, picture_) + kGainOfDrawing) return;
+    best_ = Way::kFilm;
   }
 
-  bool is_drawn() const { return drawing_ != nullptr; }
-  std::shared_ptr<ColdFrame> better() { return drawing_ ? drawing_ : film_; }
+  Way best() const { return best_; }
+  std::shared_ptr<ColdFrame> made() const { return best_ == Way::kFilm ? film_ : drawing_; }
 
  private:
-  /// Nothing if it uses up too many control points, of which the first knots tell mostly.
+  /// What has no room is tried densely.
   void make_drawing() {
-    const auto most = static_cast<double>(vectorize::most_control_points(drawn_options_, picture_));
+    drawing_ = drawing_in(Way::kDrawn);
+    if (drawing_ || !options_.dense) return;
+    best_ = Way::kDense;
+    drawing_ = drawing_in(Way::kDense);
+  }
+
+  /// Nothing if it uses up too many control points, of which the first knots tell mostly.
+  std::shared_ptr<ColdFrame> drawing_in(Way way) {
+    const vectorize::Options& options = options_for(way, options_);
+    const double most = most_functions(options, picture_);
     const auto look = [&](const vectorize::Progress& progress) {
       if (progress.stage != "knots") return;
       const double functions =
-          vectorize::expected_functions(mesh::EditableMesh(*progress.knot_mesh), drawn_options_.degree);
+          vectorize::expected_functions(mesh::EditableMesh(*progress.knot_mesh), options.degree);
       if (functions > kMostAtFirst * most) throw CalledOff();
-      has_room_ = true;
+      film_is_in_the_way_ = way == Way::kDrawn;
     };
     try {
-      drawing_ = cold_frame_with(drawn_options_, true, picture_, colour_step_, look);
-      if (static_cast<double>(drawing_->frame.space->function_count()) > kMostOfBound * most)
-        drawing_.reset();
+      std::shared_ptr<ColdFrame> made = made_in(way, options_, picture_, colour_step_, look);
+      return has_room(*made, options, picture_) ? made : nullptr;
     } catch (const CalledOff&) {
+      return nullptr;
     }
   }
 
-  /// Left off as soon as the drawing has room, since most that have are better: then it is in the way.
+  /// Left off as soon as the drawing has room, since most that have are better.
   void make_film() {
     const auto look = [&](const vectorize::Progress&) {
-      if (has_room_) throw CalledOff();
+      if (film_is_in_the_way_) throw CalledOff();
     };
     try {
-      film_ = cold_frame_with(film_options_, false, picture_, colour_step_, look);
+      film_ = made_in(Way::kFilm, options_, picture_, colour_step_, look);
     } catch (const CalledOff&) {
     }
   }
 
   const image::Image& picture_;
-  const vectorize::Options& film_options_;
-  const vectorize::Options& drawn_options_;
+  const ColdOptions& options_;
   double colour_step_;
-  std::atomic<bool> has_room_ = false;  ///< the drawing, by its first knots
+  std::atomic<bool> film_is_in_the_way_ = false;
+  Way best_ = Way::kDrawn;
   std::shared_ptr<ColdFrame> drawing_;
   std::shared_ptr<ColdFrame> film_;
 };
 
 }  // namespace
 
-std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const vectorize::Options& options,
-                                           const vectorize::Options* drawn, double colour_step,
-                                           const vectorize::Observer& observer) {
-  if (!drawn || !features::is_drawing(picture))
-    return cold_frame_with(options, false, picture, colour_step, observer);
+std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ColdOptions& options,
+                                           double colour_step, const vectorize::Observer& observer) {
+  if (!options.drawn || !features::is_drawing(picture))
+    return made_in(Way::kFilm, options, picture, colour_step, observer);
   const Clock::time_point start = Clock::now();
-  TwoWays ways(picture, options, *drawn, colour_step);
+  const Ways ways(picture, options, colour_step);
   // What is watched is what is kept, at the price of doing it twice.
-  if (observer) {
-    return cold_frame_with(ways.is_drawn() ? *drawn : options, ways.is_drawn(), picture, colour_step,
-                           observer);
-  }
-  std::shared_ptr<ColdFrame> better = ways.better();
-  better->milliseconds = {{"cold", milliseconds_since(start)}};
-  return better;
+  if (observer) return made_in(ways.best(), options, picture, colour_step, observer);
+  std::shared_ptr<ColdFrame> best = ways.made();
+  best->milliseconds = {{"cold", milliseconds_since(start)}};
+  return best;
+}
+
+std::shared_ptr<ColdFrame> make_drawn_frame(const image::Image& picture, const ColdOptions& options,
+                                            bool dense, double colour_step) {
+  std::shared_ptr<ColdFrame> made = made_in(dense ? Way::kDense : Way::kDrawn, options, picture, colour_step);
+  if (dense || !options.dense || has_room(*made, *options.drawn, picture) ||
+      !is_poor(*made, *options.drawn, picture))
+    return made;
+  std::shared_ptr<ColdFrame> denser = made_in(Way::kDense, options, picture, colour_step);
+  return worth(*denser, picture) >= worth(*made, picture) + kGainOfDrawing ? denser : made;
 }
 
 }  // namespace knotreel::track

@@ -15,9 +15,9 @@ struct ColdFrame {
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };
 
-/// With these options. @param is_drawn they are those of drawings.
-std::shared_ptr<ColdFrame> cold_frame_with(const vectorize::Options& options, bool is_drawn,
-                                           const image::Image& picture, double colour_step,
-                                           const vectorize::Observer& observer);
+/// Of a drawing in a group of drawings: as film it was tried in the first frame.
+/// @param dense the group is. If not, the frame may be, if it would be poor otherwise.
+std::shared_ptr<ColdFrame> make_drawn_frame(const image::Image& picture, const ColdOptions& options,
+                                            bool dense, double colour_step);
 
 }  // namespace knotreel::track

@@ -1,9 +1,13 @@
 #include "track/drawn_features.h"
 
+#include <utility>
+
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/features/flat_share.h"
 #include "knotreel/fit/geometry_fit.h"
+#include "knotreel/image/enlarge.h"
 #include "track/bend_geometry.h"
+#include "vectorize/fine_grid.h"
 #include "vectorize/run_log.h"
 #include "vectorize/samples.h"
 
@@ -19,34 +23,43 @@ constexpr Sheet kYielding{.stiffness = 0, .elasticity = 0.03, .inertia = 0.001};
 }  // namespace
 
 std::shared_ptr<const DrawnCurves> find_drawn_curves(const image::Image& picture,
-                                                     const vectorize::Options& drawn) {
+                                                     const vectorize::Options& drawn, Drawing how) {
   if (!features::is_drawing(picture)) return nullptr;
-  return std::make_shared<const DrawnCurves>(DrawnCurves{vectorize::find_curves(picture, drawn)});
+  DrawnCurves curves;
+  curves.fine_grid = how == Drawing::kFineGrid;
+  curves.found = curves.fine_grid ? vectorize::find_curves({image::enlarge_twofold(picture), picture},
+                                                           vectorize::on_fine_grid(drawn))
+                                  : vectorize::find_curves({picture, picture}, drawn);
+  return std::make_shared<const DrawnCurves>(std::move(curves));
 }
 
 DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Options& options,
                              const DrawnCurves& curves, std::size_t most_functions,
                              std::span<const Vec2> vertices, const FeatureLimits& before) {
   const auto slack = [](bool dropped) { return dropped ? 1 - kSlack : 1 + kSlack; };
-  vectorize::Options limited = options;
+  vectorize::Options limited = curves.fine_grid ? vectorize::on_fine_grid(options) : options;
   limited.feature_share = slack(before.strong_dropped) * before.share;
   limited.drawn_weak_share *= slack(before.weak_dropped);
   const vectorize::Observer nobody;
   vectorize::RunLog log(picture, nobody);
   log.begin_round("features");
-  is_sound_ = vectorize::map_curves(picture, limited, most_functions, curves.found, vertices, log, mapped_);
-  limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share};
+  std::vector<Vec2> on_grid(vertices.begin(), vertices.end());
+  if (curves.fine_grid) {
+    for (Vec2& v : on_grid) v = 2.0 * v;
+  }
+  is_sound_ = vectorize::map_curves(picture, limited, most_functions, curves.found, on_grid, log, mapped_);
+  limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share, curves.fine_grid,
+             before.dense};
+  if (curves.fine_grid && is_sound_) mapped_ = vectorize::halved_features(mapped_);
 }
 
-void DrawnFeatures::displace(const spline::Basis& basis, std::span<const std::uint8_t> held, double unfold,
-                             double step, std::vector<Vec2>& displacement) const {
-  for (std::size_t g = 0; g < displacement.size(); ++g) {
-    if (held.empty() || !held[g]) displacement[g] = {};
-  }
-  bend_geometry(basis, vectorize::curve_points(mapped_), displacement, held, kYielding);
+std::vector<Vec2> DrawnFeatures::displacement(const spline::Basis& basis, double unfold, double step) const {
+  std::vector<Vec2> displacement(basis.space().geometry_count());
+  bend_geometry(basis, vectorize::curve_points(mapped_), displacement, {}, kYielding);
   document::round_displacement(displacement, step);
   fit::unfold_geometry(basis, displacement, unfold);
   document::round_displacement(displacement, step);
+  return displacement;
 }
 
 }  // namespace knotreel::track

@@ -16,7 +16,8 @@
 namespace knotreel::track {
 
 struct DrawnCurves {
-  vectorize::Curves found;
+  vectorize::Curves found;  ///< on their grid
+  bool fine_grid = false;
 };
 
 /// The features of a drawn frame, found in its picture as in a picture on its own, for a mesh whose other
@@ -39,10 +40,8 @@ class DrawnFeatures {
 
   /// Finds the displacements of a space over a mesh with these features: their curves are where they were
   /// found.
-  /// @param held by geometry control point: 1 for those whose displacement stays as it is; or none.
   /// @param unfold as vectorize::Options. @param step displacements are multiples of it, pixels.
-  void displace(const spline::Basis& basis, std::span<const std::uint8_t> held, double unfold, double step,
-                std::vector<Vec2>& displacement) const;
+  std::vector<Vec2> displacement(const spline::Basis& basis, double unfold, double step) const;
 
  private:
   vectorize::MappedPicture mapped_;

@@ -18,6 +18,8 @@ struct FeatureLimits {
   double share = 0;  ///< as vectorize::Report
   bool weak_dropped = false;
   bool strong_dropped = false;
+  bool fine_grid = false;  ///< they were found there
+  bool dense = false;      ///< by TrackOptions::dense
 };
 
 /// A frame and the surface that was fitted to it.

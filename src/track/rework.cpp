@@ -23,13 +23,15 @@ using mesh::KnotIndex;
 using mesh::KnotMesh;
 
 constexpr double kLeastShare = 0.25;    // of what features may use, that a group without any may come to
+constexpr double kRoomOfDense = 1.2;    // times what the first frame has
 constexpr double kFunctionsOfKnot = 3;  // about: the least by which a group grows
 constexpr double kBoundLeeway = 0.003;  // of the bound, that new knots leave: links that change need room too
 
 }  // namespace
 
 void Rework::start_group(const FittedFrame& frame) {
-  group_functions_ = frame.space->function_count();
+  is_dense_ = frame.drawn && frame.drawn->dense;
+  first_functions_ = group_functions_ = frame.space->function_count();
   group_features_ = feature_length(frame.space->mesh());
   since_births_ = 0;
   since_rework_ = options_.rework_interval;
@@ -42,8 +44,7 @@ bool Rework::take_new_features() {
 }
 
 KnotMesh Rework::for_next_frame(const ReworkInput& input, double mec, bool urgent, const ReworkLog& log) {
-  if (input.is_drawn ? input.is_missed : mec > options_.grow_above * cold_.mec)
-    grow_group(input.most_functions);
+  if (input.is_drawn ? input.is_missed : mec > options_.grow_above * cold_.mec) grow_group(input);
   ++since_births_;
   if (++since_rework_ < options_.rework_interval && !urgent) return input.mesh;
   since_rework_ = 0;
@@ -101,11 +102,16 @@ std::vector<KnotIndex> Rework::add_features(const ReworkInput& input, std::span<
 
 /// A group gets more control points while the error is above what is asked for and the bound leaves room:
 /// the content has become harder. A cold frame would have used them.
-void Rework::grow_group(std::size_t most_functions) {
+void Rework::grow_group(const ReworkInput& input) {
   if (options_.growth <= 0) return;
+  std::size_t most = input.most_functions;
+  if (is_dense_) {
+    const auto room = static_cast<std::size_t>(kRoomOfDense * static_cast<double>(first_functions_));
+    most = std::min(most, room);
+  }
   const double more = std::max(kFunctionsOfKnot, options_.growth * static_cast<double>(group_functions_));
   const std::size_t grown = group_functions_ + static_cast<std::size_t>(more);
-  group_functions_ = std::max(group_functions_, std::min(grown, most_functions));
+  group_functions_ = std::max(group_functions_, std::min(grown, most));
 }
 
 /// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.

@@ -59,11 +59,13 @@ class Rework {
                                             mesh::EditableMesh& mesh, const ReworkLog& log);
   void refill(const ReworkInput& input, std::span<const float> errors, bool urgent, mesh::EditableMesh& mesh,
               const std::vector<mesh::KnotIndex>& born, double born_functions, const ReworkLog& log) const;
-  void grow_group(std::size_t most_functions);
+  void grow_group(const ReworkInput& input);
 
   vectorize::Options cold_;
   TrackOptions options_;
   Settling settling_;
+  bool is_dense_ = false;            ///< the group: a drawing by TrackOptions::dense
+  std::size_t first_functions_ = 0;  ///< of the group
   std::size_t group_functions_ = 0;
   double group_features_ = 0;  ///< length of the feature polylines at its start, pixels
   int since_births_ = 0;       ///< frames

@@ -138,21 +138,33 @@ class Tracker::Impl {
     }
     if (report.start != Start::kWarm) {
       if (report.start != Start::kDrift) target_.reset();  // it is that of the frame before
-      take_over(
-          cold ? std::move(*cold)
-               : std::move(*make_cold_frame(picture, cold_, options_.drawn.get(), options_.colour_step)));
+      take_over(cold ? std::move(*cold)
+                     : std::move(*make_cold_frame(picture, cold_options(), options_.colour_step)));
       start_group(picture);
     }
     report.knots = frame_.space->mesh().knots.size();
     report.control_points = frame_.space->function_count();
-    is_drawing_ = frame_.drawn.has_value();
+    drawing_ = drawing_of_frame();
     return model(picture, report.start != Start::kWarm);
   }
 
   std::shared_ptr<const spline::PixelSurface> surface() const { return frame_.surface; }
-  bool is_drawing() const { return is_drawing_; }
+  Drawing drawing() const { return drawing_; }
 
  private:
+  ColdOptions cold_options() const { return {cold_, options_.drawn.get(), options_.dense.get()}; }
+
+  /// Those of the group.
+  const vectorize::Options& group_options() const {
+    if (!frame_.drawn) return cold_;
+    return frame_.drawn->dense ? *options_.dense : *options_.drawn;
+  }
+
+  Drawing drawing_of_frame() const {
+    if (!frame_.drawn) return Drawing::kNone;
+    return frame_.drawn->fine_grid ? Drawing::kFineGrid : Drawing::kPlain;
+  }
+
   // -- cold frames
 
   void take_over(ColdFrame&& cold) {
@@ -163,7 +175,7 @@ class Tracker::Impl {
 
   /// As the first frame of the group was, so may be those behind it.
   void count_most_functions(const image::Image& picture) {
-    most_functions_ = vectorize::most_control_points(frame_.drawn ? *options_.drawn : cold_, picture);
+    most_functions_ = vectorize::most_control_points(group_options(), picture);
   }
 
   void start_group(const image::Image& picture) {
@@ -276,14 +288,15 @@ class Tracker::Impl {
   /// that is no sound mesh, or hardly.
   std::optional<KnotMesh> redrawn_mesh(const image::Image& picture, const Motion& motion,
                                        std::shared_ptr<const DrawnCurves> curves) {
-    if (!curves) curves = find_drawn_curves(picture, *options_.drawn);
+    if (!curves || curves->fine_grid != frame_.drawn->fine_grid)
+      curves = find_drawn_curves(picture, *options_.drawn, drawing_of_frame());
     const std::vector<Vec2> points = image_positions(frame_, next_mesh_);
     const std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
     std::vector<Vec2> vertices;
     for (std::size_t k = 0; k < points.size(); ++k) {
       if (next_mesh_.knots[k].kind == mesh::KnotKind::kVertex) vertices.push_back(points[k] + moves[k]);
     }
-    drawn_ = std::make_unique<DrawnFeatures>(picture, *options_.drawn, *curves, most_functions_, vertices,
+    drawn_ = std::make_unique<DrawnFeatures>(picture, group_options(), *curves, most_functions_, vertices,
                                              *frame_.drawn);
     next_id_ = std::max(next_id_, EditableMesh(next_mesh_).next_id());
     if (!drawn_->is_sound()) return std::nullopt;
@@ -314,8 +327,8 @@ class Tracker::Impl {
   /// What was drawn so far is tried no more.
   std::shared_ptr<ColdFrame> cold_frame(const image::Image& picture) const {
     if (frame_.drawn && features::is_drawing(picture))
-      return cold_frame_with(*options_.drawn, true, picture, options_.colour_step, {});
-    return make_cold_frame(picture, cold_, options_.drawn.get(), options_.colour_step);
+      return make_drawn_frame(picture, cold_options(), frame_.drawn->dense, options_.colour_step);
+    return make_cold_frame(picture, cold_options(), options_.colour_step);
   }
 
   /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to
@@ -376,10 +389,8 @@ class Tracker::Impl {
 
   /// Puts the curves of a drawing where they were found.
   void draw_curves() {
-    const std::vector<std::uint8_t> held =
-        resting_geometry(*frame_.space, resting_knots(frame_.space->mesh(), rest_));
-    drawn_->displace(*frame_.basis, held, options_.drawn->unfold, options_.displacement_step,
-                     frame_.displacement);
+    frame_.displacement =
+        drawn_->displacement(*frame_.basis, options_.drawn->unfold, options_.displacement_step);
     laps_->lap("geometry");
   }
 
@@ -441,9 +452,9 @@ class Tracker::Impl {
   FittedFrame frame_before_;
   Rework rework_;
   CurveBending bending_;
-  std::atomic<bool> is_drawing_ = false;   ///< as told to others
-  std::unique_ptr<DrawnFeatures> drawn_;   ///< of a drawn frame that is made from the one before
-  std::unique_ptr<knots::Target> target_;  ///< of the last picture
+  std::atomic<Drawing> drawing_ = Drawing::kNone;  ///< as told to others
+  std::unique_ptr<DrawnFeatures> drawn_;           ///< of a drawn frame that is made from the one before
+  std::unique_ptr<knots::Target> target_;          ///< of the last picture
   std::uint32_t next_id_ = 0;
 
   double last_mec_ = 0;
@@ -463,8 +474,8 @@ std::shared_ptr<const spline::PixelSurface> Tracker::surface() const {
   return impl_->surface();
 }
 
-bool Tracker::is_drawing() const {
-  return impl_->is_drawing();
+Drawing Tracker::drawing() const {
+  return impl_->drawing();
 }
 
 document::FrameModel Tracker::next(const image::Image& picture, const Motion* motion, FrameReport* report,

@@ -54,26 +54,10 @@ void halve_pixels(const param::Parametrization& fine, param::Parametrization& ha
   });
 }
 
-/// Chains and samples of curves keep their pixels, which name them; all places are halved.
 MappedPicture halved(const MappedPicture& fine, const image::Image& picture) {
-  MappedPicture half;
-  half.knots = halved(fine.knots);
-  half.parametrization.width = picture.width;
-  half.parametrization.height = picture.height;
+  MappedPicture half = halved_features(fine);
   if (!fine.has_features()) return half;
-  half.faired = fine.faired;
-  for (features::Chain& chain : half.faired.chains) {
-    for (features::ChainPoint& p : chain.points) {
-      p.position = 0.5 * p.position;
-      p.beyond = 0.5 * p.beyond;
-    }
-  }
   half.corrected = picture;
-  half.parametrization.vertices = fine.parametrization.vertices;
-  for (param::PolylineVertex& v : half.parametrization.vertices) v.position = 0.5 * v.position;
-  half.parametrization.polylines = fine.parametrization.polylines;
-  half.parametrization.curve_samples = fine.parametrization.curve_samples;
-  for (param::CurveSample& s : half.parametrization.curve_samples) s.position = 0.5 * s.position;
   halve_pixels(fine.parametrization, half.parametrization);
   return half;
 }
@@ -99,8 +83,7 @@ Options on_fine_grid(Options options) {
   options.drawn_threshold /= kScale;
   // Thin strokes are features like others here, and cost less than what would stand in for them.
   options.drawn_weak_share = std::max(options.drawn_weak_share, options.feature_share);
-  // Less than the same in pixels of the picture: that is what fine pixels are for.
-  options.detect.smoothing *= 0.8;
+  options.detect.smoothing *= options.fine_smoothing;
   options.fair.max_shift *= kScale;
   // Enlarged edges are some pixels wide: what is beside them has the colours of their sides.
   options.correction.strength = 1;
@@ -114,6 +97,29 @@ Options on_fine_grid(Options options) {
 
 Halved::Halved(const MappedPicture& fine, const image::Image& picture)
     : mapped_(halved(fine, picture)), samples_(picture, mapped_, false) {}
+
+/// Chains and samples of curves keep their pixels, which name them; all places are halved.
+MappedPicture halved_features(const MappedPicture& fine) {
+  MappedPicture half;
+  half.knots = halved(fine.knots);
+  half.over_share = fine.over_share;
+  half.parametrization.width = fine.parametrization.width / 2;
+  half.parametrization.height = fine.parametrization.height / 2;
+  if (!fine.has_features()) return half;
+  half.faired = fine.faired;
+  for (features::Chain& chain : half.faired.chains) {
+    for (features::ChainPoint& p : chain.points) {
+      p.position = 0.5 * p.position;
+      p.beyond = 0.5 * p.beyond;
+    }
+  }
+  half.parametrization.vertices = fine.parametrization.vertices;
+  for (param::PolylineVertex& v : half.parametrization.vertices) v.position = 0.5 * v.position;
+  half.parametrization.polylines = fine.parametrization.polylines;
+  half.parametrization.curve_samples = fine.parametrization.curve_samples;
+  for (param::CurveSample& s : half.parametrization.curve_samples) s.position = 0.5 * s.position;
+  return half;
+}
 
 Draft halved(const Draft& fine) {
   Draft half;

@@ -33,6 +33,9 @@ class Halved {
   Samples samples_;
 };
 
+/// Features without pixels (map_curves()), in the picture itself.
+MappedPicture halved_features(const MappedPicture& fine);
+
 /// The same surface over the domain of the picture.
 Draft halved(const Draft& fine);
 

@@ -7,6 +7,7 @@
 #include "knotreel/features/corners.h"
 #include "knotreel/features/flat_share.h"
 #include "knotreel/features/prefer_points.h"
+#include "knotreel/features/scale.h"
 #include "knotreel/features/side_ends.h"
 #include "knotreel/features/space_points.h"
 #include "knotreel/fit/squared_errors.h"
@@ -23,7 +24,10 @@ using mesh::EditableMesh;
 // Of the control points, for features with finer polylines.
 constexpr double kShareOfFine = 0.6;
 
-constexpr double kShortSegment = 3;  // pixels of the picture given
+// Pixels of the picture given.
+constexpr double kShortSegment = 3;
+constexpr double kShortestSegment = 0.2;  // that can be told from nothing on grids of knots
+constexpr double kSamePlace = 2;          // from a point to where a vertex was
 
 /// Without noise, which thresholds are there for, faint edges are edges, too.
 features::DetectOptions detect_options(const Options& options, bool drawing) {
@@ -49,22 +53,21 @@ double weak_share(const Options& options, bool drawing) {
   return drawing ? std::max(options.weak_share, options.drawn_weak_share) : options.weak_share;
 }
 
-/// Shorter than they can be told from nothing on grids of knots. Where chains turn back by next to nothing,
-/// there may be some that only the map would undo.
-bool has_short_segments(const mesh::KnotMesh& mesh) {
-  constexpr double kShortest = 0.2;  // pixels
+/// Where chains turn back by next to nothing, there may be some that only the map would undo.
+bool has_shorter_segments(const mesh::KnotMesh& mesh, double least) {
   return std::any_of(mesh.segments.begin(), mesh.segments.end(), [&](const mesh::FeatureSegment& s) {
-    return norm(mesh.knots[s.knots.back()].position - mesh.knots[s.knots.front()].position) < kShortest;
+    return norm(mesh.knots[s.knots.back()].position - mesh.knots[s.knots.front()].position) < least;
   });
 }
 
 class Mapping {
  public:
-  Mapping(const Grid& grid, bool drawing, const Options& options, std::size_t max_functions, RunLog& log,
-          MappedPicture& mapped)
+  /// @param scale of the grid; map_curves() needs no more of it than that.
+  Mapping(const Grid& grid, int scale, bool drawing, const Options& options, std::size_t max_functions,
+          RunLog& log, MappedPicture& mapped)
       : picture_(grid.pixels),
         original_(grid.original),
-        scale_(grid.scale()),
+        scale_(scale),
         options_(options),
         drawing_(drawing),
         parametrize_(parametrize_options(options, drawing_)),
@@ -99,7 +102,7 @@ class Mapping {
       mapped_.faired = curves.faired;
     }
     for (;;) {
-      features::prefer_points(mapped_.faired, vertices);
+      features::prefer_points(mapped_.faired, vertices, scale_ * kSamePlace);
       do {
         if (!find_polylines()) return false;
       } while (mapped_.has_features() && be_coarser(functions_of_knots()));
@@ -179,8 +182,8 @@ class Mapping {
     mapped_.parametrization = {};
     if (mapped_.has_features())
       mapped_.parametrization = param::first_polylines(mapped_.faired, parametrize_);
-    mapped_.parametrization.width = picture_.width;
-    mapped_.parametrization.height = picture_.height;
+    mapped_.parametrization.width = scale_ * original_.width;
+    mapped_.parametrization.height = scale_ * original_.height;
     log_.report.polyline_vertices = mapped_.parametrization.vertices.size();
     try {
       mapped_.knots = mesh_of(mapped_.parametrization);
@@ -189,7 +192,7 @@ class Mapping {
       return false;
     }
     log_.lap("polylines");
-    return !has_short_segments(mapped_.knots);
+    return !has_shorter_segments(mapped_.knots, scale_ * kShortestSegment);
   }
 
   /// Goes back from the finer polylines of drawings if features would then use up too much.
@@ -262,17 +265,17 @@ class Mapping {
 void map_features(const Grid& grid, const Options& options, std::size_t max_functions, RunLog& log,
                   MappedPicture& mapped) {
   const bool drawing = options.features && features::is_drawing(grid.original);
-  Mapping mapping(grid, drawing, options, max_functions, log, mapped);
+  Mapping mapping(grid, grid.scale(), drawing, options, max_functions, log, mapped);
   mapping.find();
   mapping.map();
 }
 
-Curves find_curves(const image::Image& picture, const Options& options) {
+Curves find_curves(const Grid& grid, const Options& options) {
   const Observer nobody;
-  RunLog log(picture, nobody);
+  RunLog log(grid.pixels, nobody);
   log.begin_round("features");
   MappedPicture mapped;
-  Mapping mapping({picture, picture}, true, options, 0, log, mapped);
+  Mapping mapping(grid, grid.scale(), true, options, 0, log, mapped);
   mapping.find();
   mapping.fair_and_spread();
   return {std::move(mapped.detected), std::move(mapped.faired)};
@@ -280,7 +283,9 @@ Curves find_curves(const image::Image& picture, const Options& options) {
 
 bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
                 const Curves& curves, std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped) {
-  return Mapping({picture, picture}, true, options, max_functions, log, mapped).map_curves(curves, vertices);
+  const int scale = features::scale_of(curves.detected, picture);
+  return Mapping({picture, picture}, scale, true, options, max_functions, log, mapped)
+      .map_curves(curves, vertices);
 }
 
 knots::Target make_target(const image::Image& picture, const MappedPicture& mapped) {

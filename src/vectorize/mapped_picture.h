@@ -48,13 +48,14 @@ struct Curves {
   features::FeatureChains faired;  ///< and spread (features::space_points)
 };
 
-/// @param picture a drawing (features::is_drawing()), as also for map_curves().
-Curves find_curves(const image::Image& picture, const Options& options);
+/// @param grid of a drawing (features::is_drawing()), as also for map_curves().
+Curves find_curves(const Grid& grid, const Options& options);
 
 /// The same as map_features() without the pixels, which is a part of the work: neither the corrected picture
 /// nor the image mesh is made, and the map has no pixels.
-/// @param curves   find_curves() of the picture, with the same options but for shares.
-/// @param vertices where polylines had vertices in the picture before, which may as well stay.
+/// @param picture  the original.
+/// @param curves   find_curves() of its grid, with the same options but for shares.
+/// @param vertices where polylines had vertices in the picture before, which may as well stay; on the grid.
 /// @return whether the knots are those of a sound mesh; if not, what is mapped is of no use.
 bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
                 const Curves& curves, std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped);

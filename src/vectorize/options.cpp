@@ -12,6 +12,7 @@ constexpr std::size_t kMostOfSmall = 3'000;
 constexpr std::size_t kMostOfSmallFilm = 1'500;
 constexpr double kShareOfSmall = 0.2;
 constexpr double kShareOfVideo = 0.02;
+constexpr double kShareOfDrawings = 0.1;
 constexpr std::size_t kMostOfDrawings = 200'000;
 
 std::size_t share_of(std::uint64_t pixels, double share) {
@@ -25,7 +26,7 @@ std::size_t share_or_more(std::uint64_t pixels, double share, std::size_t most_o
 
 /// From 10 % to 40 %: what is not flat is drawn densely, such as a page of text.
 double share_of_drawing(const image::Image& picture) {
-  return std::max(0.1, 2 * (1 - features::flat_share(picture)) - 0.4);
+  return std::max(kShareOfDrawings, 2 * (1 - features::flat_share(picture)) - 0.4);
 }
 
 }  // namespace
@@ -43,6 +44,11 @@ std::size_t default_video_control_points(std::uint64_t pixels) {
 
 std::size_t default_drawn_video_control_points(std::uint64_t pixels) {
   return share_or_more(pixels, kShareOfVideo, kMostOfSmall);
+}
+
+std::size_t default_dense_video_control_points(std::uint64_t pixels) {
+  return std::max(default_drawn_video_control_points(pixels),
+                  std::min(kMostOfDrawings, share_of(pixels, kShareOfDrawings)));
 }
 
 std::size_t most_control_points(const Options& options, const image::Image& picture) {
@@ -107,8 +113,9 @@ Options video_options(Options picture) {
 
 Options drawn_video_options(Options picture) {
   picture.clear_inside = false;  // 0.1 dB worse there
-  picture.fine_grid = FineGrid::kNone;
+  if (picture.fine_grid == FineGrid::kAll) picture.fine_grid = FineGrid::kDrawings;
   picture.drawn_threshold = 0;
+  picture.fine_smoothing = 1.2;  // noise of codecs, too
   // Whether a feature is weak changes from frame to frame.
   picture.drawn_weak_share = picture.feature_share;
   return picture;

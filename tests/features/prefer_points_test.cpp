@@ -30,27 +30,27 @@ FeatureChains row() {
 
 TEST(PreferPoints, TheNearestPointOfEachPlaceIsMarked) {
   FeatureChains chains = row();
-  prefer_points(chains, std::vector<Vec2>{{3.4, 5.5}, {8.6, 3}, {8.7, 4.5}});
+  prefer_points(chains, std::vector<Vec2>{{3.4, 5.5}, {8.6, 3}, {8.7, 4.5}}, 2);
   EXPECT_EQ(preferred(chains), (std::vector<int>{3, 8}));
 }
 
 TEST(PreferPoints, PlacesFarFromAllChainsOrOutsideMarkNothing) {
   FeatureChains chains = row();
-  prefer_points(chains, std::vector<Vec2>{{5, 7}, {14, 4.5}, {-40, 4.5}, {5, 400}, {NAN, 4}});
+  prefer_points(chains, std::vector<Vec2>{{5, 7}, {14, 4.5}, {-40, 4.5}, {5, 400}, {NAN, 4}}, 2);
   EXPECT_TRUE(preferred(chains).empty());
 }
 
 TEST(PreferPoints, MarksDoNotStay) {
   FeatureChains chains = row();
-  prefer_points(chains, std::vector<Vec2>{{5.5, 4.5}});
-  prefer_points(chains, std::vector<Vec2>{{7.5, 4.5}});
+  prefer_points(chains, std::vector<Vec2>{{5.5, 4.5}}, 2);
+  prefer_points(chains, std::vector<Vec2>{{7.5, 4.5}}, 2);
   EXPECT_EQ(preferred(chains), (std::vector<int>{7}));
 }
 
 TEST(PreferPoints, WhatCountsIsWhereTheCurveIs) {
   FeatureChains chains = row();
   chains.chains[0].points[3].move_to({5.5, 7});  // a corner beyond its pixel
-  prefer_points(chains, std::vector<Vec2>{{5.5, 7.2}});
+  prefer_points(chains, std::vector<Vec2>{{5.5, 7.2}}, 2);
   EXPECT_EQ(preferred(chains), (std::vector<int>{5}));
 }
 

@@ -34,7 +34,7 @@ std::vector<float> misses(const image::Image& picture) {
 std::vector<std::vector<Vec2>> missing(const image::Image& modelled, const image::Image& picture,
                                        double most_length = 1000) {
   const vectorize::Options options;
-  const auto cold = make_cold_frame(modelled, options, nullptr, 2);
+  const auto cold = make_cold_frame(modelled, {options}, 2);
   return missing_features(*cold->frame.basis, cold->frame.displacement, cold->frame.seen, picture,
                           misses(picture), options.detect, most_length);
 }

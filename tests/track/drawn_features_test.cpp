@@ -23,8 +23,9 @@ vectorize::Options options() {
 }
 
 DrawnFeatures features_of(const image::Image& picture, std::size_t most_functions,
-                          std::span<const Vec2> vertices, const FeatureLimits& before) {
-  return {picture, options(), *find_drawn_curves(picture, options()), most_functions, vertices, before};
+                          std::span<const Vec2> vertices, const FeatureLimits& before,
+                          Drawing how = Drawing::kPlain) {
+  return {picture, options(), *find_drawn_curves(picture, options(), how), most_functions, vertices, before};
 }
 
 std::vector<Vec2> vertices_of(const mesh::KnotMesh& mesh) {
@@ -38,8 +39,7 @@ TEST(DrawnFeatures, CurvesComeToLieOnTheEdges) {
   const image::Image picture = drawing(40, 40);
   const DrawnFeatures features = features_of(picture, 1000, {}, kAll);
   const spline::Basis basis(std::make_shared<const spline::SplineSpace>(features.knots(), 2));
-  std::vector<Vec2> displacement(basis.space().geometry_count());
-  features.displace(basis, {}, 0.95, 1.0 / 16, displacement);
+  const std::vector<Vec2> displacement = features.displacement(basis, 0.95, 1.0 / 16);
   // Of the disk: all that is not of the box.
   std::vector<Vec2> points;
   for (const mesh::FeatureSegment& s : features.knots().segments) {
@@ -58,23 +58,6 @@ TEST(DrawnFeatures, CurvesComeToLieOnTheEdges) {
   }
   EXPECT_GT(of_disk, 40);
   EXPECT_LT(sum / of_disk, 0.08);
-}
-
-TEST(DrawnFeatures, WhatIsHeldKeepsItsDisplacement) {
-  const image::Image picture = drawing(40, 40);
-  const DrawnFeatures features = features_of(picture, 1000, {}, kAll);
-  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(features.knots(), 2));
-  std::vector<Vec2> found(basis.space().geometry_count(), Vec2{0.25, 0});
-  features.displace(basis, {}, 0.95, 1.0 / 16, found);
-  std::vector<std::uint8_t> held(found.size(), 1);
-  std::vector<Vec2> again = found;
-  features.displace(basis, held, 0.95, 1.0 / 16, again);
-  std::size_t same = 0;
-  for (std::size_t g = 0; g < found.size(); ++g) same += again[g] == found[g] ? 1 : 0;
-  EXPECT_GE(double(same), 0.9 * double(found.size()));  // folds are undone all the same
-  std::fill(again.begin(), again.end(), Vec2{0.5, -0.25});
-  features.displace(basis, {}, 0.95, 1.0 / 16, again);
-  EXPECT_EQ(again, found) << "what was there before counts";
 }
 
 TEST(DrawnFeatures, VerticesStayWhereTheyMayAsWell) {
@@ -124,9 +107,7 @@ TEST(DrawnFeatures, APictureWithoutFeaturesHasTheDomainAlone) {
   EXPECT_EQ(features.knots().knots.size(), 4U);
   EXPECT_TRUE(features.knots().segments.empty());
   const spline::Basis basis(std::make_shared<const spline::SplineSpace>(features.knots(), 2));
-  std::vector<Vec2> displacement(basis.space().geometry_count(), Vec2{0.25, 0.25});
-  features.displace(basis, {}, 0.95, 1.0 / 16, displacement);
-  for (const Vec2 d : displacement) EXPECT_EQ(d, Vec2{});
+  for (const Vec2 d : features.displacement(basis, 0.95, 1.0 / 16)) EXPECT_EQ(d, Vec2{});
 }
 
 }  // namespace

@@ -9,6 +9,7 @@
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/writer.h"
+#include "knotreel/fit/geometry_fit.h"
 #include "knotreel/raster/render.h"
 #include "knotreel/track/tracker.h"
 #include "support/drawn_scene.h"
@@ -102,7 +103,9 @@ TEST(DrawnFrames, HaveTheFeaturesOfTheirOwnPicture) {
     const std::size_t x = i / 3 % 120, y = i / 3 / 120;
     if (x > 64 && y < 44) pictures[1].samples[i] = other.samples[i];
   }
-  const Tracked run = track(pictures, drawn_options());
+  TrackOptions options = drawn_options();
+  options.drift = 100;  // it stays a warm frame
+  const Tracked run = track(pictures, options);
   ASSERT_EQ(run.reports[1].start, Start::kWarm);
   std::size_t near = 0;
   const mesh::KnotMesh& mesh = run.models[1].space->mesh();
@@ -210,18 +213,56 @@ TEST(DrawnFrames, CurvesFoundAheadChangeNothing) {
   const Tracked run = track(pictures, drawn_options());
   const TrackOptions options = drawn_options();
   Tracker tracker(vectorize::video_options(picture_options()), options);
-  EXPECT_FALSE(tracker.is_drawing());
+  EXPECT_EQ(tracker.drawing(), Drawing::kNone);
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     std::optional<Motion> motion;
     if (i > 0) motion = motion_between(pictures[i - 1], pictures[i]);
-    MadeAhead ahead{.curves = find_drawn_curves(pictures[i], *options.drawn)};
+    // Those of another grid, which the group before may have been of, are left alone.
+    const Drawing how = i == 2 ? Drawing::kPlain : Drawing::kFineGrid;
+    MadeAhead ahead{.curves = find_drawn_curves(pictures[i], *options.drawn, how)};
     const document::FrameModel model =
         tracker.next(pictures[i], motion ? &*motion : nullptr, nullptr, std::move(ahead));
-    EXPECT_TRUE(tracker.is_drawing());
+    EXPECT_EQ(tracker.drawing(), Drawing::kFineGrid);
     EXPECT_EQ(model.colour, run.models[i].colour) << i;
     EXPECT_EQ(model.displacement, run.models[i].displacement) << i;
   }
-  EXPECT_EQ(find_drawn_curves(test::random_picture(64, 48, 3, 1), *options.drawn), nullptr);
+  EXPECT_EQ(find_drawn_curves(test::random_picture(64, 48, 3, 1), *options.drawn, Drawing::kPlain), nullptr);
+}
+
+TEST(DrawnFrames, HaveThePlainGridIfTheirFirstHas) {
+  const std::vector<image::Image> pictures = drawn_clip(3);
+  vectorize::Options picture = picture_options();
+  picture.fine_grid = vectorize::FineGrid::kNone;
+  TrackOptions options;
+  options.drawn = std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(picture));
+  Tracker tracker(vectorize::video_options(picture), options);
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    std::optional<Motion> motion;
+    if (i > 0) motion = motion_between(pictures[i - 1], pictures[i]);
+    tracker.next(pictures[i], motion ? &*motion : nullptr);
+    EXPECT_EQ(tracker.drawing(), Drawing::kPlain);
+  }
+}
+
+/// Outlines at rest were held once, while vertices on them came and went: circles became polygons.
+TEST(DrawnFrames, OutlinesAtRestStayAsRoundAsTheyWere) {
+  std::vector<image::Image> pictures;
+  for (int i = 0; i < 24; ++i) pictures.push_back(drawing(34, 40, 72 - 0.7 * i));
+  const Tracked run = track(pictures, drawn_options());
+  double worst = 0;
+  const document::FrameModel& last = run.models.back();
+  const spline::Basis basis(last.space);
+  std::vector<Vec2> points;
+  for (const mesh::FeatureSegment& s : last.space->mesh().segments) {
+    const Vec2 a = last.space->mesh().knots[s.knots.front()].position;
+    const Vec2 b = last.space->mesh().knots[s.knots.back()].position;
+    if (std::max(norm(a - Vec2{34, 40}), norm(b - Vec2{34, 40})) > 21) continue;
+    for (int i = 0; i <= 8; ++i) points.push_back(a + (i / 8.0) * (b - a));
+  }
+  ASSERT_GT(points.size(), 60U);
+  for (const Vec2 p : fit::image_points(basis, last.displacement, points))
+    worst = std::max(worst, std::abs(norm(p - Vec2{34, 40}) - 20));
+  EXPECT_LT(worst, 0.2);
 }
 
 /// Two vertices as good as at one place, which a grid of knots could not tell apart.
@@ -242,14 +283,14 @@ TEST(DrawnFrames, WithoutASoundMeshAreCold) {
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     std::optional<Motion> motion;
     if (i > 0) motion = motion_between(pictures[i - 1], pictures[i]);
-    MadeAhead ahead{.curves = find_drawn_curves(pictures[i], *options.drawn)};
+    MadeAhead ahead{.curves = find_drawn_curves(pictures[i], *options.drawn, Drawing::kFineGrid)};
     if (i == 2) ahead.curves = std::make_shared<const DrawnCurves>(unsound(*ahead.curves));
     FrameReport report;
     const document::FrameModel model =
         tracker.next(pictures[i], motion ? &*motion : nullptr, &report, std::move(ahead));
     EXPECT_EQ(report.start, i == 0 ? Start::kFirst : i == 2 ? Start::kDrift : Start::kWarm) << i;
     EXPECT_EQ(model.keyframe, i % 2 == 0) << i;
-    EXPECT_TRUE(tracker.is_drawing());
+    EXPECT_NE(tracker.drawing(), Drawing::kNone);
   }
 }
 
@@ -260,15 +301,72 @@ TEST(ColdFrame, ADrawingIsDrawnIfThatIsBetterAndThereIsRoom) {
     vectorize::Options options = picture_options(most);
     options.feature_share = 1;
     const vectorize::Options drawn = vectorize::drawn_video_options(options);
-    return make_cold_frame(picture, film, &drawn, 2);
+    return make_cold_frame(picture, {film, &drawn}, 2);
   };
   EXPECT_TRUE(cold(1000)->frame.drawn);
   EXPECT_GT(cold(1000)->frame.drawn->share, 0.5);
   const std::size_t used = cold(1000)->frame.space->function_count();
   EXPECT_TRUE(cold(used * 11 / 10)->frame.drawn);
-  EXPECT_FALSE(cold(used + 2)->frame.drawn) << "it uses up all";
+  EXPECT_FALSE(cold(used * 9 / 10)->frame.drawn) << "it uses up all";
   const vectorize::Options film = vectorize::video_options(picture_options());
-  EXPECT_FALSE(make_cold_frame(picture, film, nullptr, 2)->frame.drawn);
+  EXPECT_FALSE(make_cold_frame(picture, {film}, 2)->frame.drawn);
+}
+
+/// Small squares in rows, more of them than a small bound is enough for.
+image::Image many_squares() {
+  image::Image image = image::make_image(160, 120, 3);
+  std::fill(image.samples.begin(), image.samples.end(), 240.0F);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const int u = x % 16, v = y % 16;
+      const bool inside = u > 3 && u < 12 && v > 3 && v < 12;
+      const bool edge = u == 3 || v == 3 ? u >= 3 && u < 12 && v >= 3 && v < 12 : false;
+      if (!inside && !edge) continue;
+      for (int c = 0; c < 3; ++c) image.at(x, y, c) = inside ? 30.0F : 110.0F;
+    }
+  }
+  return image;
+}
+
+TEST(ColdFrame, ADrawingWithoutRoomIsDenseIfThatIsWorthIt) {
+  const vectorize::Options film = vectorize::video_options(picture_options(400));
+  const vectorize::Options drawn = vectorize::drawn_video_options(picture_options(400));
+  const vectorize::Options dense = vectorize::drawn_video_options(picture_options(6000));
+  const image::Image squares = many_squares();
+  EXPECT_FALSE(make_cold_frame(squares, {film, &drawn}, 2)->frame.drawn);
+  const auto made = make_cold_frame(squares, {film, &drawn, &dense}, 2);
+  ASSERT_TRUE(made->frame.drawn);
+  EXPECT_TRUE(made->frame.drawn->dense);
+  EXPECT_GT(made->frame.space->function_count(), 400U);
+  const auto simple = make_cold_frame(drawing(34, 40), {film, &drawn, &dense}, 2);
+  ASSERT_TRUE(simple->frame.drawn);
+  EXPECT_FALSE(simple->frame.drawn->dense) << "it has room";
+  // In a group that was simple, too.
+  EXPECT_TRUE(make_drawn_frame(squares, {film, &drawn, &dense}, false, 2)->frame.drawn->dense);
+  EXPECT_FALSE(make_drawn_frame(squares, {film, &drawn}, false, 2)->frame.drawn->dense);
+  EXPECT_FALSE(make_drawn_frame(drawing(34, 40), {film, &drawn, &dense}, false, 2)->frame.drawn->dense);
+}
+
+TEST(DrawnFrames, ThatAreDenseGrowByAFifthAtMost) {
+  TrackOptions options = drawn_options(400);
+  options.dense =
+      std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(picture_options(6000)));
+  options.drift = 100;
+  options.growth = 0.5;
+  std::vector<image::Image> pictures(6, many_squares());
+  // Noise that nothing can hold makes it grow.
+  for (std::size_t i = 1; i < pictures.size(); ++i) {
+    for (std::size_t s = 0; s < pictures[i].samples.size(); s += 3 * (5 + i)) pictures[i].samples[s] += 60;
+  }
+  const Tracked run = track(pictures, options, 400);
+  const std::size_t first = run.reports.front().control_points;
+  ASSERT_GT(first, 400U);
+  std::size_t most = 0;
+  for (const FrameReport& report : run.reports) {
+    EXPECT_EQ(report.start == Start::kWarm, &report != &run.reports.front());
+    most = std::max(most, report.control_points);
+  }
+  EXPECT_LE(double(most), 1.25 * double(first));
 }
 
 TEST(ColdFrame, ADrawingWithSoftEdgesIsDrawnOnlyIfThatIsBetter) {
@@ -281,9 +379,9 @@ TEST(ColdFrame, ADrawingWithSoftEdgesIsDrawnOnlyIfThatIsBetter) {
     }
   }
   const vectorize::Options film = vectorize::video_options(picture_options());
-  EXPECT_FALSE(make_cold_frame(picture, film, &film, 2)->frame.drawn) << "it is the same";
-  const std::size_t film_alone = make_cold_frame(picture, film, nullptr, 2)->frame.space->function_count();
-  EXPECT_EQ(make_cold_frame(picture, film, &film, 2)->frame.space->function_count(), film_alone);
+  EXPECT_FALSE(make_cold_frame(picture, {film, &film}, 2)->frame.drawn) << "it is the same";
+  const std::size_t film_alone = make_cold_frame(picture, {film}, 2)->frame.space->function_count();
+  EXPECT_EQ(make_cold_frame(picture, {film, &film}, 2)->frame.space->function_count(), film_alone);
 }
 
 TEST(ColdFrame, WhatIsWatchedIsWhatIsKept) {
@@ -291,10 +389,11 @@ TEST(ColdFrame, WhatIsWatchedIsWhatIsKept) {
   const vectorize::Options film = vectorize::video_options(picture_options());
   const vectorize::Options drawn = vectorize::drawn_video_options(picture_options());
   std::vector<std::string> stages;
-  const auto watched = make_cold_frame(picture, film, &drawn, 2,
+  const auto watched = make_cold_frame(picture, {film, &drawn}, 2,
                                        [&](const vectorize::Progress& p) { stages.push_back(p.stage); });
   EXPECT_EQ(std::count(stages.begin(), stages.end(), "features"), 1);
-  EXPECT_EQ(watched->frame.colours.control, make_cold_frame(picture, film, &drawn, 2)->frame.colours.control);
+  EXPECT_EQ(watched->frame.colours.control,
+            make_cold_frame(picture, {film, &drawn}, 2)->frame.colours.control);
 }
 
 }  // namespace

@@ -433,8 +433,7 @@ TEST(Tracker, AColdFrameMadeAheadChangesNothing) {
   Tracker tracker(cold, options);
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     // The second and others are warm: theirs is left alone.
-    std::shared_ptr<ColdFrame> ahead =
-        make_cold_frame(pictures[i], cold, nullptr, TrackOptions{}.colour_step);
+    std::shared_ptr<ColdFrame> ahead = make_cold_frame(pictures[i], {cold}, TrackOptions{}.colour_step);
     std::unique_ptr<Motion> motion;
     if (i > 0) motion = std::make_unique<Motion>(motion_between(pictures[i - 1], pictures[i]));
     FrameReport report;

@@ -81,9 +81,11 @@ TEST(FineGrid, IsForDrawingsOfModestSizeWithEdgesBetweenPixels) {
   Options without = options;
   without.features = false;
   EXPECT_FALSE(wants_fine_grid(thin_strokes(1), without));
-  for (const Options& none :
-       {video_options(options), drawn_video_options(options), preset_options(Preset::kFast)})
+  for (const Options& none : {video_options(all), preset_options(Preset::kFast)})
     EXPECT_FALSE(wants_fine_grid(thin_strokes(1), none));
+  EXPECT_TRUE(wants_fine_grid(thin_strokes(1), drawn_video_options(all)));
+  EXPECT_FALSE(wants_fine_grid(noise, drawn_video_options(all)));
+  EXPECT_FALSE(wants_fine_grid(thin_strokes(1), drawn_video_options(preset_options(Preset::kFast))));
 }
 
 TEST(FineGrid, ThePictureGetsWhatTheGridHas) {

@@ -403,6 +403,9 @@ TEST(Vectorize, SmallVideosMayHaveMoreControlPoints) {
   EXPECT_EQ(default_drawn_video_control_points(100 * 60), 1200U);
   EXPECT_EQ(default_drawn_video_control_points(20 * 10), 256U);
   EXPECT_EQ(default_drawn_video_control_points(640 * 360), default_video_control_points(640 * 360));
+  EXPECT_EQ(default_dense_video_control_points(640 * 360), 23040U);
+  EXPECT_EQ(default_dense_video_control_points(200 * 100), 3000U);
+  EXPECT_EQ(default_dense_video_control_points(4000 * 3000), 240000U) << "2 % are more than 200,000";
 }
 
 TEST(Vectorize, SmallPicturesMayHaveMoreControlPoints) {

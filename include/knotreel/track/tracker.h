@@ -26,6 +26,9 @@ struct TrackOptions {
   /// vectorize::drawn_video_options(), for drawings (features::is_drawing()) that are better with them; null:
   /// none are looked at so.
   std::shared_ptr<const vectorize::Options> drawn = nullptr;
+  /// The same with a larger bound on control points, for drawings that have no room in that of `drawn` and
+  /// are worth it. Such a group has as many as its first frame asks for, and some more. Null: none are.
+  std::shared_ptr<const vectorize::Options> dense = nullptr;
   bool warm_start = true;  ///< false: every frame is made from its picture alone
   /// Share of what the frame before missed that this one is not asked to mend, along motion, 0 to 1: keeps
   /// noise from flickering. Where nothing moves it counts twice.
@@ -118,7 +121,7 @@ struct MadeAhead {
   /// Of make_cold_frame() for its picture and the same options: taken if the frame starts a group, left alone
   /// otherwise.
   std::shared_ptr<ColdFrame> cold = nullptr;
-  /// Of find_drawn_curves() for its picture and TrackOptions::drawn: taken if the frame is drawn.
+  /// Of find_drawn_curves() for its picture and TrackOptions::drawn: taken if the frame is drawn like that.
   std::shared_ptr<const DrawnCurves> curves = nullptr;
 };
 
@@ -143,9 +146,9 @@ class Tracker {
   document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport* report = nullptr,
                             MadeAhead ahead = {});
 
-  /// Whether the last frame was drawn, so that the next one will most likely want find_drawn_curves(). May be
-  /// asked by any thread at any time.
-  bool is_drawing() const;
+  /// How the last frame was drawn: the next one will most likely want find_drawn_curves() like that, if at
+  /// all. May be asked by any thread at any time.
+  Drawing drawing() const;
 
   /// The last model at its pixels, for whoever draws it; only those that features cross look different.
   std::shared_ptr<const spline::PixelSurface> surface() const;

@@ -91,6 +91,9 @@ struct Options {
   /// Takes about twice the time, and up to three times the memory. Lengths and thresholds of other options
   /// stay those of the picture.
   FineGrid fine_grid = FineGrid::kDrawings;
+  /// Times detect.smoothing, on a fine grid, in its pixels; > 0. Less than 2, which is the same in pixels of
+  /// the picture: that is what fine pixels are for.
+  double fine_smoothing = 0.8;
 
   knots::OptimiseOptions optimise{.rounds = 1, .steps = 4};
   fit::ColourFitOptions colour{.precision = fit::Precision::kSingle};
@@ -122,6 +125,10 @@ std::size_t default_video_control_points(std::uint64_t pixels);
 /// The same of frames that are drawn (docs/decisions/0040), but up to 3000 of small ones: a drawing has as
 /// many outlines in any size.
 std::size_t default_drawn_video_control_points(std::uint64_t pixels);
+
+/// Of drawn frames that ask for more, such as those with text: 10 % of the pixels, up to 200,000, as a
+/// drawing that is a picture on its own may have.
+std::size_t default_dense_video_control_points(std::uint64_t pixels);
 
 /// Those that a model may have at most: what the options say, or as many as by default.
 std::size_t most_control_points(const Options& options, const image::Image& picture);
