@@ -90,7 +90,8 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
           vectorize::drawn_video_options(picture_options(run, pixels, most)));
     };
     job.tracking.drawn = drawn(vectorize::default_drawn_video_control_points(pixels));
-    if (!run.options.max_control_points)
+    // What is dense takes several times as long.
+    if (!run.options.max_control_points && run.options.preset != "fast")
       job.tracking.dense = drawn(vectorize::default_dense_video_control_points(pixels));
   }
   job.document = run.document;

@@ -11,6 +11,7 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/features/flat_share.h"
+#include "knotreel/features/scale.h"
 #include "knotreel/raster/render.h"
 #include "track/quality.h"
 #include "vectorize/feature_budget.h"
@@ -98,6 +99,34 @@ bool is_poor(const ColdFrame& cold, const vectorize::Options& options, const ima
 /// Thrown by observers of frames that are not wanted any more.
 struct CalledOff {};
 
+/// Nothing if it uses up too many control points, of which features and the first knots tell mostly.
+/// @param on_room called once that is told. May be empty.
+std::shared_ptr<ColdFrame> drawing_with_room(Way way, const ColdOptions& options, const image::Image& picture,
+                                             double colour_step, const std::function<void()>& on_room) {
+  const double most = most_functions(options_for(way, options), picture);
+  int fairings = 0;
+  const auto look = [&](const vectorize::Progress& progress) {
+    if (progress.stage == "features") {
+      fairings = 0;
+      const int scale = features::scale_of(*progress.detected, picture);
+      if (vectorize::expected_functions(*progress.detected) > scale * most) throw CalledOff();
+    }
+    // Once more: some had to go. What is dense is so for its features.
+    if (progress.stage == "fairing" && ++fairings > 1 && way == Way::kDense) throw CalledOff();
+    if (progress.stage != "knots") return;
+    const mesh::EditableMesh mesh(*progress.knot_mesh);
+    if (vectorize::expected_functions(mesh, options_for(way, options).degree) > kMostAtFirst * most)
+      throw CalledOff();
+    if (on_room) on_room();
+  };
+  try {
+    std::shared_ptr<ColdFrame> made = made_in(way, options, picture, colour_step, look);
+    return has_room(*made, options_for(way, options), picture) ? made : nullptr;
+  } catch (const CalledOff&) {
+    return nullptr;
+  }
+}
+
 /// Of a drawing, which is made in all ways that may be worth it.
 class Ways {
  public:
@@ -116,29 +145,11 @@ class Ways {
  private:
   /// What has no room is tried densely.
   void make_drawing() {
-    drawing_ = drawing_in(Way::kDrawn);
+    drawing_ =
+        drawing_with_room(Way::kDrawn, options_, picture_, colour_step_, [&] { film_is_in_the_way_ = true; });
     if (drawing_ || !options_.dense) return;
     best_ = Way::kDense;
-    drawing_ = drawing_in(Way::kDense);
-  }
-
-  /// Nothing if it uses up too many control points, of which the first knots tell mostly.
-  std::shared_ptr<ColdFrame> drawing_in(Way way) {
-    const vectorize::Options& options = options_for(way, options_);
-    const double most = most_functions(options, picture_);
-    const auto look = [&](const vectorize::Progress& progress) {
-      if (progress.stage != "knots") return;
-      const double functions =
-          vectorize::expected_functions(mesh::EditableMesh(*progress.knot_mesh), options.degree);
-      if (functions > kMostAtFirst * most) throw CalledOff();
-      film_is_in_the_way_ = way == Way::kDrawn;
-    };
-    try {
-      std::shared_ptr<ColdFrame> made = made_in(way, options_, picture_, colour_step_, look);
-      return has_room(*made, options, picture_) ? made : nullptr;
-    } catch (const CalledOff&) {
-      return nullptr;
-    }
+    drawing_ = drawing_with_room(Way::kDense, options_, picture_, colour_step_, {});
   }
 
   /// Left off as soon as the drawing has room, since most that have are better.
@@ -182,7 +193,8 @@ std::shared_ptr<ColdFrame> make_drawn_frame(const image::Image& picture, const C
   if (dense || !options.dense || has_room(*made, *options.drawn, picture) ||
       !is_poor(*made, *options.drawn, picture))
     return made;
-  std::shared_ptr<ColdFrame> denser = made_in(Way::kDense, options, picture, colour_step);
+  std::shared_ptr<ColdFrame> denser = drawing_with_room(Way::kDense, options, picture, colour_step, {});
+  if (!denser) return made;
   return worth(*denser, picture) >= worth(*made, picture) + kGainOfDrawing ? denser : made;
 }
 
