@@ -35,9 +35,16 @@ std::vector<Vec2> vertices_of(const mesh::KnotMesh& mesh) {
   return result;
 }
 
-TEST(DrawnFeatures, CurvesComeToLieOnTheEdges) {
+class DrawnFeaturesOn : public ::testing::TestWithParam<Drawing> {};
+
+INSTANTIATE_TEST_SUITE_P(Grids, DrawnFeaturesOn, ::testing::Values(Drawing::kPlain, Drawing::kFineGrid));
+
+TEST_P(DrawnFeaturesOn, CurvesComeToLieOnTheEdges) {
   const image::Image picture = drawing(40, 40);
-  const DrawnFeatures features = features_of(picture, 1000, {}, kAll);
+  const DrawnFeatures features = features_of(picture, 1000, {}, kAll, GetParam());
+  EXPECT_EQ(features.knots().width, 120);
+  EXPECT_EQ(features.knots().height, 90);
+  EXPECT_EQ(features.limits().fine_grid, GetParam() == Drawing::kFineGrid);
   const spline::Basis basis(std::make_shared<const spline::SplineSpace>(features.knots(), 2));
   const std::vector<Vec2> displacement = features.displacement(basis, 0.95, 1.0 / 16);
   // Of the disk: all that is not of the box.
@@ -60,10 +67,10 @@ TEST(DrawnFeatures, CurvesComeToLieOnTheEdges) {
   EXPECT_LT(sum / of_disk, 0.08);
 }
 
-TEST(DrawnFeatures, VerticesStayWhereTheyMayAsWell) {
+TEST_P(DrawnFeaturesOn, VerticesStayWhereTheyMayAsWell) {
   const image::Image before = drawing(40, 40);
   const image::Image now = drawing(41.3, 40.4);
-  const DrawnFeatures first = features_of(before, 1000, {}, kAll);
+  const DrawnFeatures first = features_of(before, 1000, {}, kAll, GetParam());
   std::vector<Vec2> moved = vertices_of(first.knots());
   for (Vec2& v : moved) {
     if (std::abs(norm(v - Vec2{40, 40}) - 20) < 1.5) v = v + Vec2{1.3, 0.4};
@@ -74,11 +81,34 @@ TEST(DrawnFeatures, VerticesStayWhereTheyMayAsWell) {
       return std::any_of(found.begin(), found.end(), [&](Vec2 w) { return norm(v - w) < 1; });
     });
   };
-  const DrawnFeatures led = features_of(now, 1000, moved, kAll);
-  const DrawnFeatures alone = features_of(now, 1000, {}, kAll);
+  const DrawnFeatures led = features_of(now, 1000, moved, kAll, GetParam());
+  const DrawnFeatures alone = features_of(now, 1000, {}, kAll, GetParam());
   EXPECT_GT(kept(led), kept(alone));
   EXPECT_GE(kept(led), std::ptrdiff_t(moved.size()) - 2);
   EXPECT_LE(vertices_of(led.knots()).size(), vertices_of(alone.knots()).size() + 4);
+}
+
+/// Strokes of a pixel, two pixels apart.
+TEST(DrawnFeatures, ThinStrokesHaveBothSidesOnTheFineGrid) {
+  constexpr int kStrokes = 5;
+  image::Image picture = image::make_image(120, 90, 3);
+  std::fill(picture.samples.begin(), picture.samples.end(), 240.0F);
+  for (int y = 10; y < 80; ++y) {
+    for (int k = 0; k < kStrokes; ++k) {
+      for (int c = 0; c < 3; ++c) {
+        picture.at(50 + 3 * k, y, c) = 40;
+      }
+    }
+  }
+  const auto length = [&](Drawing how) {
+    double sum = 0;
+    const mesh::KnotMesh knots = features_of(picture, 10000, {}, kAll, how).knots();
+    for (const mesh::FeatureSegment& s : knots.segments)
+      sum += std::abs(knots.knots[s.knots.front()].position.y - knots.knots[s.knots.back()].position.y);
+    return sum / 70;
+  };
+  EXPECT_GT(length(Drawing::kFineGrid), 2 * kStrokes - 0.5);
+  EXPECT_LT(length(Drawing::kPlain), 2 * kStrokes - 1.5);
 }
 
 /// A bound at which features just about have to go: what is there stays, and what is not stays away.
