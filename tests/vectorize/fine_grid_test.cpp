@@ -118,6 +118,17 @@ TEST(FineGrid, ThePictureGetsWhatTheGridHas) {
     }
   }
 
+  features::ChainPoint& moved = start->mapped.faired.chains[0].points[3];
+  moved.move_to(moved.position + Vec2{1, 0.5});
+  const MappedPicture features = halved_features(start->mapped);
+  EXPECT_EQ(features.knots.width, kWidth);
+  EXPECT_EQ(features.parametrization.height, kHeight);
+  for (std::size_t c = 0; c < features.faired.chains.size(); ++c) {
+    const auto& points = features.faired.chains[c].points;
+    for (std::size_t i = 0; i < points.size(); ++i)
+      EXPECT_EQ(points[i].on_curve(), 0.5 * start->mapped.faired.chains[c].points[i].on_curve());
+  }
+
   Halved on_picture(start->mapped, picture);
   const Samples& samples = on_picture.samples();
   ASSERT_EQ(samples.places().size(), picture.pixel_count());
