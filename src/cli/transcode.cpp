@@ -101,7 +101,8 @@ void add_transcode_command(CLI::App& program) {
   add_tracking_options(*command, arguments->run.tracking, arguments->run.no_drawn_frames);
   command->option_defaults()->group("Options");
   add_vectorize_options(*command, arguments->run.options,
-                        "2%, of small videos 20% up to 1500,\nof drawn ones up to 3000");
+                        "2%, of small videos 20% up to 1500;\nof drawn frames 2%, or 20% up to 3000,\nor 10% "
+                        "if their outlines ask for it");
   command->footer(kTranscodeFooter);
   command->callback([arguments] { transcode(*arguments); });
 }

@@ -159,6 +159,8 @@ nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
   return {{"warm_start", o.warm_start},
           {"drawn_frames", o.drawn != nullptr},
           {"drawn_max_control_points", o.drawn ? o.drawn->max_control_points : 0},
+          {"dense_max_control_points", o.dense ? o.dense->max_control_points : 0},
+          {"drawn_fine_grid", o.drawn && o.drawn->fine_grid != vectorize::FineGrid::kNone},
           {"temporal_weight", o.temporal_weight},
           {"keyframe_interval", o.keyframe_interval},
           {"scene_threshold", o.scene_threshold},

@@ -15,6 +15,7 @@
 #include "knotreel/raster/render.h"
 #include "track/quality.h"
 #include "vectorize/feature_budget.h"
+#include "vectorize/fine_grid.h"
 
 namespace knotreel::track {
 namespace {
@@ -96,8 +97,31 @@ bool is_poor(const ColdFrame& cold, const vectorize::Options& options, const ima
   return quality_of(cold.frame.colours.residual, cold.frame.seen.weights, picture).mec > options.mec;
 }
 
+double expected_functions(const vectorize::Progress& progress, int degree) {
+  return vectorize::expected_functions(mesh::EditableMesh(*progress.knot_mesh), degree);
+}
+
 /// Thrown by observers of frames that are not wanted any more.
 struct CalledOff {};
+
+/// Whether the first knots, on the plain grid, tell that there is room: on a fine one that takes much longer.
+bool may_have_room(const ColdOptions& options, const image::Image& picture) {
+  struct Told {
+    bool has_room;
+  };
+  vectorize::Options plain = *options.drawn;
+  plain.fine_grid = vectorize::FineGrid::kNone;
+  const double most = most_functions(plain, picture);
+  try {
+    vectorize::vectorize_picture(picture, plain, [&](const vectorize::Progress& progress) {
+      if (progress.stage == "knots")
+        throw Told{expected_functions(progress, plain.degree) <= kMostAtFirst * most};
+    });
+  } catch (const Told& told) {
+    return told.has_room;
+  }
+  return true;
+}
 
 /// Nothing if it uses up too many control points, of which features and the first knots tell mostly.
 /// @param on_room called once that is told. May be empty.
@@ -114,8 +138,7 @@ std::shared_ptr<ColdFrame> drawing_with_room(Way way, const ColdOptions& options
     // Once more: some had to go. What is dense is so for its features.
     if (progress.stage == "fairing" && ++fairings > 1 && way == Way::kDense) throw CalledOff();
     if (progress.stage != "knots") return;
-    const mesh::EditableMesh mesh(*progress.knot_mesh);
-    if (vectorize::expected_functions(mesh, options_for(way, options).degree) > kMostAtFirst * most)
+    if (expected_functions(progress, options_for(way, options).degree) > kMostAtFirst * most)
       throw CalledOff();
     if (on_room) on_room();
   };
@@ -145,8 +168,11 @@ class Ways {
  private:
   /// What has no room is tried densely.
   void make_drawing() {
-    drawing_ =
-        drawing_with_room(Way::kDrawn, options_, picture_, colour_step_, [&] { film_is_in_the_way_ = true; });
+    const auto prefer = [&] { film_is_in_the_way_ = true; };
+    const bool is_fine = vectorize::wants_fine_grid(picture_, *options_.drawn);
+    const bool has_room = !is_fine || may_have_room(options_, picture_);
+    if (is_fine && has_room) prefer();
+    if (has_room) drawing_ = drawing_with_room(Way::kDrawn, options_, picture_, colour_step_, prefer);
     if (drawing_ || !options_.dense) return;
     best_ = Way::kDense;
     drawing_ = drawing_with_room(Way::kDense, options_, picture_, colour_step_, {});

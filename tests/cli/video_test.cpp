@@ -91,6 +91,9 @@ TEST_F(CliVideo, DrawnFramesCanBeMadeAsFilm) {
   for (const json& f : film["frames"]) EXPECT_FALSE(f["milliseconds"].contains("curves")) << f;
   EXPECT_EQ(drawn["tracking"]["drawn_max_control_points"], 1000);
   EXPECT_EQ(film["tracking"]["drawn_max_control_points"], 0);
+  EXPECT_EQ(drawn["tracking"]["dense_max_control_points"], 0) << "the bound is given";
+  EXPECT_EQ(drawn["tracking"]["drawn_fine_grid"], true);
+  EXPECT_EQ(stats({"--fine-grid", "none"})["tracking"]["drawn_fine_grid"], false);
 }
 
 TEST_F(CliVideo, SmallVideosHaveMoreControlPointsAndDrawnOnesMore) {
@@ -108,6 +111,9 @@ TEST_F(CliVideo, SmallVideosHaveMoreControlPointsAndDrawnOnesMore) {
   const json film = stats_of(path("drawn_%d.png"), path("stats.json"), {"--no-drawn-frames"});
   EXPECT_EQ(drawn["options"]["max_control_points"], 1500);
   EXPECT_EQ(drawn["tracking"]["drawn_max_control_points"], 120 * 90 / 5);
+  EXPECT_EQ(drawn["tracking"]["dense_max_control_points"], 120 * 90 / 5);
+  const json fast = stats_of(path("drawn_%d.png"), path("stats.json"), {"--preset", "fast"});
+  EXPECT_EQ(fast["tracking"]["dense_max_control_points"], 0);
   for (const json& f : film["frames"]) EXPECT_LE(f["control_points"], 1500) << f;
   EXPECT_GT(test::json_psnr(drawn), test::json_psnr(film) + 6);
 }

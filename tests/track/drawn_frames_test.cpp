@@ -326,7 +326,7 @@ TEST(ColdFrame, ADrawingIsDrawnIfThatIsBetterAndThereIsRoom) {
   EXPECT_TRUE(cold(1000)->frame.drawn);
   EXPECT_GT(cold(1000)->frame.drawn->share, 0.5);
   const std::size_t used = cold(1000)->frame.space->function_count();
-  EXPECT_TRUE(cold(used * 11 / 10)->frame.drawn);
+  EXPECT_TRUE(cold(used * 2)->frame.drawn);
   EXPECT_FALSE(cold(used * 9 / 10)->frame.drawn) << "it uses up all";
   const vectorize::Options film = vectorize::video_options(picture_options());
   EXPECT_FALSE(make_cold_frame(picture, {film}, 2)->frame.drawn);

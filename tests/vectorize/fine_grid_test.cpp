@@ -119,7 +119,7 @@ TEST(FineGrid, ThePictureGetsWhatTheGridHas) {
   }
 
   features::ChainPoint& moved = start->mapped.faired.chains[0].points[3];
-  moved.move_to(moved.position + Vec2{1, 0.5});
+  moved.move_to(moved.position + Vec2{3, 2.5});
   const MappedPicture features = halved_features(start->mapped);
   EXPECT_EQ(features.knots.width, kWidth);
   EXPECT_EQ(features.parametrization.height, kHeight);
