@@ -27,9 +27,12 @@ std::shared_ptr<const DrawnCurves> find_drawn_curves(const image::Image& picture
   if (!features::is_drawing(picture)) return nullptr;
   DrawnCurves curves;
   curves.fine_grid = how == Drawing::kFineGrid;
-  curves.found = curves.fine_grid ? vectorize::find_curves({image::enlarge_twofold(picture), picture},
-                                                           vectorize::on_fine_grid(drawn))
-                                  : vectorize::find_curves({picture, picture}, drawn);
+  if (curves.fine_grid) {
+    const image::Image enlarged = image::enlarge_twofold(picture);
+    curves.found = vectorize::find_curves({enlarged, picture}, vectorize::on_fine_grid(drawn));
+  } else {
+    curves.found = vectorize::find_curves({picture, picture}, drawn);
+  }
   return std::make_shared<const DrawnCurves>(std::move(curves));
 }
 

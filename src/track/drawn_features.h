@@ -38,8 +38,7 @@ class DrawnFeatures {
   const mesh::KnotMesh& knots() const { return mapped_.knots; }
   const FeatureLimits& limits() const { return limits_; }
 
-  /// Finds the displacements of a space over a mesh with these features: their curves are where they were
-  /// found.
+  /// The displacements of a space over a mesh with these features: their curves are where they were found.
   /// @param unfold as vectorize::Options. @param step displacements are multiples of it, pixels.
   std::vector<Vec2> displacement(const spline::Basis& basis, double unfold, double step) const;
 
