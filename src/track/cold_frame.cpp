@@ -45,10 +45,19 @@ double worth(const ColdFrame& cold, const image::Image& picture) {
          10 * std::log10(static_cast<double>(cold.frame.space->function_count()));
 }
 
-enum class Way : std::uint8_t { kFilm, kDrawn, kDense };
+enum class Way : std::uint8_t {
+  kFilm,
+  kDrawn,
+  kPlain,  ///< drawn, on the plain grid
+  kDense,
+};
 
-const vectorize::Options& options_for(Way way, const ColdOptions& options) {
-  return way == Way::kFilm ? options.film : way == Way::kDrawn ? *options.drawn : *options.dense;
+vectorize::Options options_for(Way way, const ColdOptions& options) {
+  if (way == Way::kFilm) return options.film;
+  if (way == Way::kDense) return *options.dense;
+  vectorize::Options drawn = *options.drawn;
+  if (way == Way::kPlain) drawn.fine_grid = vectorize::FineGrid::kNone;
+  return drawn;
 }
 
 std::shared_ptr<ColdFrame> made_in(Way way, const ColdOptions& options, const image::Image& picture,
@@ -109,8 +118,7 @@ bool may_have_room(const ColdOptions& options, const image::Image& picture) {
   struct Told {
     bool has_room;
   };
-  vectorize::Options plain = *options.drawn;
-  plain.fine_grid = vectorize::FineGrid::kNone;
+  const vectorize::Options plain = options_for(Way::kPlain, options);
   const double most = most_functions(plain, picture);
   try {
     vectorize::vectorize_picture(picture, plain, [&](const vectorize::Progress& progress) {
@@ -127,7 +135,8 @@ bool may_have_room(const ColdOptions& options, const image::Image& picture) {
 /// @param on_room called once that is told. May be empty.
 std::shared_ptr<ColdFrame> drawing_with_room(Way way, const ColdOptions& options, const image::Image& picture,
                                              double colour_step, const std::function<void()>& on_room) {
-  const double most = most_functions(options_for(way, options), picture);
+  const vectorize::Options chosen = options_for(way, options);
+  const double most = most_functions(chosen, picture);
   int fairings = 0;
   const auto look = [&](const vectorize::Progress& progress) {
     if (progress.stage == "features") {
@@ -138,13 +147,12 @@ std::shared_ptr<ColdFrame> drawing_with_room(Way way, const ColdOptions& options
     // Once more: some had to go. What is dense is so for its features.
     if (progress.stage == "fairing" && ++fairings > 1 && way == Way::kDense) throw CalledOff();
     if (progress.stage != "knots") return;
-    if (expected_functions(progress, options_for(way, options).degree) > kMostAtFirst * most)
-      throw CalledOff();
+    if (expected_functions(progress, chosen.degree) > kMostAtFirst * most) throw CalledOff();
     if (on_room) on_room();
   };
   try {
     std::shared_ptr<ColdFrame> made = made_in(way, options, picture, colour_step, look);
-    return has_room(*made, options_for(way, options), picture) ? made : nullptr;
+    return has_room(*made, chosen, picture) ? made : nullptr;
   } catch (const CalledOff&) {
     return nullptr;
   }
@@ -156,7 +164,7 @@ class Ways {
   Ways(const image::Image& picture, const ColdOptions& options, double colour_step)
       : picture_(picture), options_(options), colour_step_(colour_step) {
     parallel_invoke([&] { make_drawing(); }, [&] { make_film(); });
-    if (drawing_ && best_ == Way::kDrawn && has_crisp_edges(drawing_->frame)) return;
+    if (drawing_ && best_ != Way::kDense && has_crisp_edges(drawing_->frame)) return;
     if (!film_) film_ = made_in(Way::kFilm, options_, picture_, colour_step_);
     if (drawing_ && worth(*drawing_, picture_) >= worth(*film_, picture_) + kGainOfDrawing) return;
     best_ = Way::kFilm;
@@ -166,16 +174,22 @@ class Ways {
   std::shared_ptr<ColdFrame> made() const { return best_ == Way::kFilm ? film_ : drawing_; }
 
  private:
-  /// What has no room is tried densely.
+  /// What has no room on the fine grid may have it on the plain one; else it is tried densely.
   void make_drawing() {
-    const auto prefer = [&] { film_is_in_the_way_ = true; };
     const bool is_fine = vectorize::wants_fine_grid(picture_, *options_.drawn);
-    const bool has_room = !is_fine || may_have_room(options_, picture_);
-    if (is_fine && has_room) prefer();
-    if (has_room) drawing_ = drawing_with_room(Way::kDrawn, options_, picture_, colour_step_, prefer);
-    if (drawing_ || !options_.dense) return;
-    best_ = Way::kDense;
-    drawing_ = drawing_with_room(Way::kDense, options_, picture_, colour_step_, {});
+    if (!is_fine || may_have_room(options_, picture_)) {
+      film_is_in_the_way_ = is_fine;
+      if (is_fine) drawing_ = with_room(Way::kDrawn);
+      if (!drawing_) drawing_ = with_room(Way::kPlain);
+    }
+    if (!drawing_ && options_.dense) drawing_ = with_room(Way::kDense);
+  }
+
+  std::shared_ptr<ColdFrame> with_room(Way way) {
+    best_ = way;
+    std::function<void()> prefer;
+    if (way != Way::kDense) prefer = [this] { film_is_in_the_way_ = true; };
+    return drawing_with_room(way, options_, picture_, colour_step_, prefer);
   }
 
   /// Left off as soon as the drawing has room, since most that have are better.
@@ -214,14 +228,18 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const Co
 }
 
 std::shared_ptr<ColdFrame> make_drawn_frame(const image::Image& picture, const ColdOptions& options,
-                                            bool dense, double colour_step) {
-  std::shared_ptr<ColdFrame> made = made_in(dense ? Way::kDense : Way::kDrawn, options, picture, colour_step);
-  if (dense || !options.dense || has_room(*made, *options.drawn, picture) ||
+                                            const FeatureLimits& group, double colour_step) {
+  const Way way = group.dense ? Way::kDense : group.fine_grid ? Way::kDrawn : Way::kPlain;
+  std::shared_ptr<ColdFrame> made = made_in(way, options, picture, colour_step);
+  if (way == Way::kDense || has_room(*made, *options.drawn, picture) ||
       !is_poor(*made, *options.drawn, picture))
     return made;
-  std::shared_ptr<ColdFrame> denser = drawing_with_room(Way::kDense, options, picture, colour_step, {});
-  if (!denser) return made;
-  return worth(*denser, picture) >= worth(*made, picture) + kGainOfDrawing ? denser : made;
+  const auto take_if_better = [&](const std::shared_ptr<ColdFrame>& other) {
+    if (other && worth(*other, picture) >= worth(*made, picture) + kGainOfDrawing) made = other;
+  };
+  if (way == Way::kDrawn) take_if_better(made_in(Way::kPlain, options, picture, colour_step));
+  if (options.dense) take_if_better(drawing_with_room(Way::kDense, options, picture, colour_step, {}));
+  return made;
 }
 
 }  // namespace knotreel::track

@@ -15,9 +15,9 @@ struct ColdFrame {
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };
 
-/// Of a drawing in a group of drawings: as film it was tried in the first frame.
-/// @param dense the group is. If not, the frame may be, if it would be poor otherwise.
+/// Of a drawing in a group of drawings: as film it was tried in the first frame. It is as the group is,
+/// unless it would be poor for want of control points and is better on the plain grid, or densely.
 std::shared_ptr<ColdFrame> make_drawn_frame(const image::Image& picture, const ColdOptions& options,
-                                            bool dense, double colour_step);
+                                            const FeatureLimits& group, double colour_step);
 
 }  // namespace knotreel::track

@@ -327,7 +327,7 @@ class Tracker::Impl {
   /// What was drawn so far is tried no more.
   std::shared_ptr<ColdFrame> cold_frame(const image::Image& picture) const {
     if (frame_.drawn && features::is_drawing(picture))
-      return make_drawn_frame(picture, cold_options(), frame_.drawn->dense, options_.colour_step);
+      return make_drawn_frame(picture, cold_options(), *frame_.drawn, options_.colour_step);
     return make_cold_frame(picture, cold_options(), options_.colour_step);
   }
 

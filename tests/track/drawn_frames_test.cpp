@@ -362,9 +362,10 @@ TEST(ColdFrame, ADrawingWithoutRoomIsDenseIfThatIsWorthIt) {
   ASSERT_TRUE(simple->frame.drawn);
   EXPECT_FALSE(simple->frame.drawn->dense) << "it has room";
   // In a group that was simple, too.
-  EXPECT_TRUE(make_drawn_frame(squares, {film, &drawn, &dense}, false, 2)->frame.drawn->dense);
-  EXPECT_FALSE(make_drawn_frame(squares, {film, &drawn}, false, 2)->frame.drawn->dense);
-  EXPECT_FALSE(make_drawn_frame(drawing(34, 40), {film, &drawn, &dense}, false, 2)->frame.drawn->dense);
+  EXPECT_TRUE(make_drawn_frame(squares, {film, &drawn, &dense}, {.fine_grid = true}, 2)->frame.drawn->dense);
+  EXPECT_FALSE(make_drawn_frame(squares, {film, &drawn}, {.fine_grid = true}, 2)->frame.drawn->dense);
+  EXPECT_FALSE(
+      make_drawn_frame(drawing(34, 40), {film, &drawn, &dense}, {.fine_grid = true}, 2)->frame.drawn->dense);
 }
 
 TEST(DrawnFrames, ThatAreDenseGrowByAFifthAtMost) {
