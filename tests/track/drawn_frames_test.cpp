@@ -4,6 +4,7 @@
 #include <cmath>
 #include <memory>
 #include <optional>
+#include <random>
 #include <sstream>
 #include <string>
 
@@ -366,6 +367,33 @@ TEST(ColdFrame, ADrawingWithoutRoomIsDenseIfThatIsWorthIt) {
   EXPECT_FALSE(make_drawn_frame(squares, {film, &drawn}, {.fine_grid = true}, 2)->frame.drawn->dense);
   EXPECT_FALSE(
       make_drawn_frame(drawing(34, 40), {film, &drawn, &dense}, {.fine_grid = true}, 2)->frame.drawn->dense);
+}
+
+/// As codecs leave them: with noise around an edge, which costs more on the fine grid.
+image::Image noisy_drawing() {
+  image::Image image = drawing(34, 60, 40);
+  std::mt19937 random(7);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      const bool at_edge = std::abs(std::hypot(x - 34, y - 60) - 20) < 5;
+      const float noise = float(random() % 25) - 12;
+      for (int c = 0; c < 3 && at_edge; ++c) image.at(x, y, c) += noise;
+    }
+  }
+  return image;
+}
+
+TEST(ColdFrame, ThePlainGridMayHaveRoomWhereTheFineOneHasNone) {
+  const image::Image picture = noisy_drawing();
+  std::string ways;  // by growing bounds, each once
+  for (double most = 400; most < 1000; most *= 1.06) {
+    const vectorize::Options film = vectorize::video_options(picture_options(std::size_t(most)));
+    const vectorize::Options drawn = vectorize::drawn_video_options(picture_options(std::size_t(most)));
+    const auto made = make_cold_frame(picture, {film, &drawn}, 2);
+    const char way = !made->frame.drawn ? 'f' : made->frame.drawn->fine_grid ? 'F' : 'P';
+    if (ways.empty() || ways.back() != way) ways += way;
+  }
+  EXPECT_EQ(ways, "fPF");
 }
 
 TEST(DrawnFrames, ThatAreDenseGrowByAFifthAtMost) {
