@@ -109,7 +109,7 @@ void add_features(CLI::App& command, VectorizeOptions& options) {
       .add_option("--fine-grid", options.fine_grid,
                   "Find features on pixels of half the size, in twice the time and memory, so that\n"
                   "thin strokes and small letters are drawn as such: none, drawings or all\n"
-                  "pictures; of videos, drawn frames but with none\n(default " +
+                  "pictures; in videos it is for drawn frames alone\n(default " +
                       by_preset([](const vectorize::Options& o) { return fine_grid_name(o.fine_grid); }) +
                       ")")
       ->check(CLI::IsMember(kFineGrids).description(""))

@@ -88,16 +88,28 @@ TEST(FineGrid, IsForDrawingsOfModestSizeWithEdgesBetweenPixels) {
   EXPECT_FALSE(wants_fine_grid(thin_strokes(1), drawn_video_options(preset_options(Preset::kFast))));
 }
 
-TEST(FineGrid, ThePictureGetsWhatTheGridHas) {
-  const image::Image picture = thin_strokes(1);
-  const image::Image enlarged = image::enlarge_twofold(picture);
+/// A picture on its way to the fine grid, with its features and first knots.
+struct FineStart {
+  static constexpr std::size_t kMost = 3000;  // control points
+
+  explicit FineStart(const image::Image& picture) : enlarged(image::enlarge_twofold(picture)) {
+    log.begin_round("round 1");
+    start = make_start({enlarged, picture}, options, kMost, log);
+  }
+
+  const image::Image enlarged;
   const Options options = on_fine_grid(Options{});
   const Observer observer;
-  RunLog log(enlarged, observer);
-  log.begin_round("round 1");
-  const auto start = make_start({enlarged, picture}, options, 3000, log);
+  RunLog log{enlarged, observer};
+  std::unique_ptr<Start> start;
+};
+
+TEST(FineGrid, ThePictureGetsWhatTheGridHas) {
+  const image::Image picture = thin_strokes(1);
+  FineStart at_first(picture);
+  const std::unique_ptr<Start>& start = at_first.start;
   Draft draft;
-  Rounds rounds(options, *start->target, *start->samples, 3000, log, draft);
+  Rounds rounds(at_first.options, *start->target, *start->samples, FineStart::kMost, at_first.log, draft);
   rounds.first(std::move(*start->mesh), start->mapped.knots);
 
   const Draft half = halved(draft);
@@ -195,12 +207,8 @@ TEST(FineGrid, StepsAreToldInThePicture) {
     const double column = std::floor(x) + 0.5, row = std::floor(y) + 0.5;
     return Colour{std::hypot(column - 95.3, row - 40.2) < 20 ? 40.0 : 230.0};
   });
-  const image::Image enlarged = image::enlarge_twofold(picture);
-  const Options options = on_fine_grid(Options{});
-  const Observer observer;
-  RunLog log(enlarged, observer);
-  log.begin_round("round 1");
-  const auto start = make_start({enlarged, picture}, options, 3000, log);
+  FineStart at_first(picture);
+  const std::unique_ptr<Start>& start = at_first.start;
   ASSERT_EQ(start->mapped.faired.chains.size(), 3U);
   for (const features::Chain& chain : start->mapped.faired.chains)
     EXPECT_EQ(chain.stepped, chain.points.front().x > 130) << chain.points.front().x;
