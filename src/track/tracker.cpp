@@ -122,7 +122,9 @@ class Tracker::Impl {
       } else if (!make_warm(picture, *motion, std::move(ahead.curves))) {
         cold = cold_frame(picture);
       }
-      if (!cold && misses_thresholds() && watch_.is_time_to_look(report.psnr))
+      // While the first picture of a group is repeated, there is no target, and a cold frame is what there
+      // is.
+      if (!cold && target_ && misses_thresholds() && watch_.is_time_to_look(report.psnr))
         cold = better_cold_frame(picture);
       if (cold) {
         report.start = Start::kDrift;

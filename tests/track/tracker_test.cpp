@@ -212,6 +212,24 @@ TEST(Tracker, ARepeatedPictureKeepsItsModel) {
   }
 }
 
+TEST(Tracker, ARepeatedKeyframeIsNotMadeAgain) {
+  const image::Image picture = moving(1).front();
+  vectorize::Options cold = cold_options();
+  cold.max_control_points = 100;
+  cold.mec = 0.01;  // missed
+  TrackOptions options;
+  options.look_interval = 1;
+  Tracker tracker(cold, options);
+  const Motion repeated = motion_between(picture, picture);
+  const document::FrameModel first = tracker.next(picture, nullptr);
+  for (int i = 0; i < 3; ++i) {
+    FrameReport report;
+    const document::FrameModel same = tracker.next(picture, &repeated, &report);
+    EXPECT_EQ(same.space, first.space);
+    EXPECT_EQ(report.start, Start::kWarm);
+  }
+}
+
 /// Share of the colours of control points that change from frame to frame while nothing but noise does.
 double share_of_changed_colours(TrackOptions options) {
   std::vector<image::Image> pictures(8, scene(40, 36));
