@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "features/fan.h"
+#include "features/known_fans.h"
 #include "features/straight_side.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
@@ -90,7 +91,9 @@ bool guess_position(double scale, Corner& corner) {
 
 /// From a guess: near to where the lines of the arms meet, if the picture says so, too.
 /// @param scale  pixels of the chains per pixel of the picture
-bool find_position(const image::Image& image, double scale, double most_error, Corner& corner) {
+/// @param known    may be null
+bool find_position(const image::Image& image, double scale, double most_error, KnownCorners::Fans* known,
+                   Corner& corner) {
   const Vec2 start = corner.position;
   sort_around(corner.arms);
   Fan fan{(1 / scale) * start, {}};
@@ -99,7 +102,7 @@ bool find_position(const image::Image& image, double scale, double most_error, C
     fan.rays.push_back(arm.side.away);
     through.push_back((1 / scale) * arm.side.point);
   }
-  const std::optional<FanFit> fit = fit_fan(image, fan, through);
+  const std::optional<FanFit> fit = known ? known->fit(image, fan, through) : fit_fan(image, fan, through);
   if (!fit || fit->error > most_error || norm(fit->fan.tip - fan.tip) > kMostChange) return false;
   for (std::size_t i = 0; i < corner.arms.size(); ++i) {
     if (std::abs(cross(corner.arms[i].side.away, fit->fan.rays[i])) > kMostRotation) return false;
@@ -144,8 +147,9 @@ double straightness(const Chain& chain, std::size_t i) {
 
 class Sharpener {
  public:
-  Sharpener(const image::Image& image, FeatureChains& chains, const CornerOptions& options)
-      : image_(image), scale_(scale_of(chains, image)), chains_(chains), options_(options) {
+  Sharpener(const image::Image& image, FeatureChains& chains, const CornerOptions& options,
+            KnownCorners::Fans* known)
+      : image_(image), scale_(scale_of(chains, image)), chains_(chains), options_(options), known_(known) {
     for (const Chain& chain : chains.chains) taken_.emplace_back(chain.points.size(), false);
   }
 
@@ -177,6 +181,7 @@ class Sharpener {
   double scale_;  // pixels of the chains per pixel of the picture
   FeatureChains& chains_;
   const CornerOptions& options_;
+  KnownCorners::Fans* known_;
   std::vector<std::vector<bool>> taken_;  // by chain and point: a corner has moved it
 };
 
@@ -204,7 +209,7 @@ std::vector<Corner> Sharpener::at_nodes() const {
       if (std::optional<Arm> a = arm(end.chain, from, end.forward)) corner.arms.push_back(*a);
     }
     if (corner.arms.size() == node.size() && guess_position(scale_, corner) &&
-        find_position(image_, scale_, options_.most_error, corner))
+        find_position(image_, scale_, options_.most_error, known_, corner))
       corners.push_back(std::move(corner));
   }
   return corners;
@@ -220,8 +225,9 @@ std::vector<Corner> Sharpener::inside(std::size_t c) const {
     if (std::optional<Corner> guess = guess_inside(c, i)) guesses.push_back(std::move(*guess));
   }
   keep_nearest(scale_, guesses);
-  std::erase_if(guesses,
-                [&](Corner& guess) { return !find_position(image_, scale_, options_.most_error, guess); });
+  std::erase_if(guesses, [&](Corner& guess) {
+    return !find_position(image_, scale_, options_.most_error, known_, guess);
+  });
   return guesses;
 }
 
@@ -277,12 +283,14 @@ void Sharpener::place(const Corner& corner) {
 
 }  // namespace
 
-std::size_t sharpen_corners(const image::Image& image, FeatureChains& chains, const CornerOptions& options) {
+std::size_t sharpen_corners(const image::Image& image, FeatureChains& chains, const CornerOptions& options,
+                            KnownCorners* known) {
   if (!(options.least_turn >= 0 && options.least_turn <= 180))
     throw Error(ErrorKind::kInvalidArgument, "the least turn of a corner must be in 0..180 degrees");
   if (!(options.most_error > 0))
     throw Error(ErrorKind::kInvalidArgument, "the error of a corner must be positive");
-  return Sharpener(image, chains, options).run();
+  if (known) known->fans().begin_picture();
+  return Sharpener(image, chains, options, known ? &known->fans() : nullptr).run();
 }
 
 }  // namespace knotreel::features

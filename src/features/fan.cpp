@@ -10,9 +10,7 @@
 namespace knotreel::features {
 namespace {
 
-constexpr double kRadius = 2.3;  // px, of what is around a tip
-constexpr int kHalf = 3;
-constexpr int kWindow = 2 * kHalf + 1;
+constexpr double kRadius = 2.3;       // px, of what is around a tip
 constexpr double kLeastContrast = 8;  // levels
 constexpr double kLeastAngle = 0.1;   // radians, between rays
 constexpr double kLeastShare = 0.1;   // of an area, its shares of pixels squared and summed
@@ -108,10 +106,10 @@ bool is_sound(const Fan& fan) {
 /// projection).
 class FanFitter {
  public:
-  FanFitter(const image::Image& image, int x0, int y0, Vec2 tip, const std::vector<Vec2>& through)
+  FanFitter(const image::Image& image, FanWindow window, Vec2 tip, const std::vector<Vec2>& through)
       : through_(through) {
-    for (int y = y0; y < y0 + kWindow; ++y) {
-      for (int x = x0; x < x0 + kWindow; ++x) {
+    for (int y = window.y; y < window.y + FanWindow::kSize; ++y) {
+      for (int x = window.x; x < window.x + FanWindow::kSize; ++x) {
         if (norm(Vec2{x + 0.5, y + 0.5} - tip) <= kRadius) pixels_.push_back({double(x), double(y)});
       }
     }
@@ -252,12 +250,19 @@ void shares_of(const Fan& fan, double left, double top, double* shares) {
   if (widest < n) shares[widest] = rest;
 }
 
-std::optional<FanFit> fit_fan(const image::Image& image, const Fan& start, const std::vector<Vec2>& through) {
-  const double x0 = std::floor(start.tip.x) - kHalf;
-  const double y0 = std::floor(start.tip.y) - kHalf;
-  if (!(x0 >= 0 && y0 >= 0 && x0 + kWindow <= image.width && y0 + kWindow <= image.height))
+std::optional<FanWindow> fan_window(const image::Image& image, Vec2 tip) {
+  constexpr int kHalf = FanWindow::kSize / 2;
+  const double x = std::floor(tip.x) - kHalf;
+  const double y = std::floor(tip.y) - kHalf;
+  if (!(x >= 0 && y >= 0 && x + FanWindow::kSize <= image.width && y + FanWindow::kSize <= image.height))
     return std::nullopt;
-  return FanFitter(image, int(x0), int(y0), start.tip, through).run(start);
+  return FanWindow{int(x), int(y)};
+}
+
+std::optional<FanFit> fit_fan(const image::Image& image, const Fan& start, const std::vector<Vec2>& through) {
+  const std::optional<FanWindow> window = fan_window(image, start.tip);
+  if (!window) return std::nullopt;
+  return FanFitter(image, *window, start.tip, through).run(start);
 }
 
 }  // namespace knotreel::features

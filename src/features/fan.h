@@ -24,6 +24,16 @@ struct FanFit {
   double error = 0;
 };
 
+/// A square of pixels.
+struct FanWindow {
+  static constexpr int kSize = 7;
+  int x = 0;  ///< left column
+  int y = 0;  ///< top row
+};
+
+/// The pixels that fit_fan() looks at for a fan with that tip; nothing if some are beyond the picture.
+std::optional<FanWindow> fan_window(const image::Image& image, Vec2 tip);
+
 /// The fan near `start` that explains the pixels around the tip of `start` best. Colours count by their
 /// alpha. Nothing near the sides of the picture, where areas are hardly seen, or without a difference.
 /// @param through  a point for each ray that it passes, a few pixels from the tip: what is around the tip

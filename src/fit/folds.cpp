@@ -51,19 +51,11 @@ LocalTerm local_term(const PieceTerm& term, Vec2 origin) {
   return local;
 }
 
-/// Derivatives of a displacement at the samples of a batch.
-template <std::size_t N>
-struct Derivatives {
-  alignas(64) std::array<float, N> xx{};  ///< of x by x
-  alignas(64) std::array<float, N> xy{};  ///< of x by y
-  alignas(64) std::array<float, N> yx{};
-  alignas(64) std::array<float, N> yy{};
-};
-
-/// Adds those of a term times the displacement (x, y) of its piece.
-template <std::size_t N>
+/// Adds the derivatives of a term times the displacement (x, y) of its piece at N samples.
+/// @param sums Derivatives of Folds.
+template <std::size_t N, class Sums>
 [[gnu::always_inline]] inline void add_in(const LocalTerm& term, Plane x, Plane y, const float* __restrict px,
-                                          const float* __restrict py, Derivatives<N>& sums) {
+                                          const float* __restrict py, Sums& sums) {
   const auto [s0, s1, s2, s3] = term.slopes;
   const auto [w0, w1, w2] = term.walls;
   const Plane factor = term.factor;
@@ -99,17 +91,39 @@ template <std::size_t N>
   }
 }
 
+/// Sums that a multiversion function can take.
+struct SumsOf64 {
+  std::span<float, 64> xx, xy, yx, yy;
+};
+
 KNOTREEL_MULTIVERSION
 void add_term(const LocalTerm& term, const Plane& x, const Plane& y, const float* px, const float* py,
-              Derivatives<64>& sums) {
-  add_in(term, x, y, px, py, sums);
+              SumsOf64& sums) {
+  add_in<64>(term, x, y, px, py, sums);
 }
 
 }  // namespace
 
-Folds::Folds(const spline::Basis& basis, std::span<const Vec2> displacement) : basis_(basis) {
-  motions_.reserve(basis.pieces().pieces.size());
-  for (const spline::Piece& piece : basis.pieces().pieces) motions_.push_back(motion_of(piece, displacement));
+void Folds::Derivatives::scale(float factor) {
+  for (auto* const values : {&xx, &xy, &yx, &yy}) {
+    for (float& v : *values) v *= factor;
+  }
+}
+
+void Folds::Derivatives::add(const Derivatives& other, float factor) {
+  for (std::size_t i = 0; i < kSamples; ++i) {
+    xx[i] += factor * other.xx[i];
+    xy[i] += factor * other.xy[i];
+    yx[i] += factor * other.yx[i];
+    yy[i] += factor * other.yy[i];
+  }
+}
+
+Folds::Folds(const spline::Basis& basis, std::span<const Vec2> displacement)
+    : basis_(basis), displacement_(displacement.begin(), displacement.end()) {
+  std::vector<Motion> motions;
+  motions.reserve(basis.pieces().pieces.size());
+  for (const spline::Piece& piece : basis.pieces().pieces) motions.push_back(motion_of(piece));
   std::vector<std::size_t> ends;  // of the batches of segments
   for (const mesh::FeatureSegment& segment : basis.space().mesh().segments) {
     add_batches(segment);
@@ -117,7 +131,12 @@ Folds::Folds(const spline::Basis& basis, std::span<const Vec2> displacement) : b
   }
   parallel_for(ends.size(), [&](std::size_t s) {
     const std::size_t begin = s == 0 ? 0 : ends[s - 1];
-    add_terms(std::span(batches_).subspan(begin, ends[s] - begin));
+    const auto batches = std::span(batches_).subspan(begin, ends[s] - begin);
+    add_terms(batches, motions);
+    for (Batch& batch : batches) {
+      if (batch.places.empty()) continue;
+      batch.all = derivatives(batch, [&](std::uint32_t piece) { return motions[piece]; });
+    }
   });
 }
 
@@ -143,7 +162,7 @@ void Folds::add_batches(const mesh::FeatureSegment& segment) {
 }
 
 /// Those of the batches of a segment: looked for once for all of them.
-void Folds::add_terms(std::span<Batch> batches) const {
+void Folds::add_terms(std::span<Batch> batches, const std::vector<Motion>& motions) const {
   const spline::TermIndex& index = basis_.index();
   Box all;
   for (const Batch& batch : batches) {
@@ -153,7 +172,7 @@ void Folds::add_terms(std::span<Batch> batches) const {
   if (all.low.x > all.high.x) return;  // no sample is in the domain
   index.in_box(all.low, all.high, terms);
   // The others change nothing: what is not displaced does not get so by shrinking.
-  std::erase_if(terms, [&](const spline::TermIndex::Entry& e) { return !motions_[e.piece].any; });
+  std::erase_if(terms, [&](const spline::TermIndex::Entry& e) { return !motions[e.piece].any; });
   for (Batch& batch : batches) {
     const Box box = box_of(batch.places);
     for (const spline::TermIndex::Entry& e : terms) {
@@ -164,12 +183,13 @@ void Folds::add_terms(std::span<Batch> batches) const {
   }
 }
 
-Folds::Motion Folds::motion_of(const spline::Piece& piece, std::span<const Vec2> displacement) const {
+Folds::Motion Folds::motion_of(const spline::Piece& piece, std::span<const std::uint8_t> chosen) const {
   Motion motion;
   for (std::size_t k = 0; k < 3; ++k) {
     if (piece.functions[k] == spline::kNoFunction) continue;
-    const Vec2 d = displacement[basis_.space().geometry_of()[piece.functions[k]]];
-    if (d == Vec2{}) continue;
+    const std::uint32_t group = basis_.space().geometry_of()[piece.functions[k]];
+    const Vec2 d = displacement_[group];
+    if (d == Vec2{} || (!chosen.empty() && !chosen[group])) continue;
     const spline::Affine& weight = piece.weights[k];
     motion.at_zero = motion.at_zero + weight({}) * d;
     motion.by_x = motion.by_x + weight.nx * d;
@@ -179,40 +199,40 @@ Folds::Motion Folds::motion_of(const spline::Piece& piece, std::span<const Vec2>
   return motion;
 }
 
-/// Of the map at the samples, of which those that are missing are like the first.
-Folds::Values Folds::areas(const Batch& batch) const {
+/// Samples that are missing are like the first.
+template <class MotionOf>
+Folds::Derivatives Folds::derivatives(const Batch& batch, const MotionOf& motion_of) const {
   const Vec2 origin = batch.places.front();
-  alignas(64) Values x{};
-  alignas(64) Values y{};
+  alignas(64) std::array<float, kSamples> x{};
+  alignas(64) std::array<float, kSamples> y{};
   for (std::size_t i = 0; i < batch.places.size(); ++i) {
     x[i] = static_cast<float>(batch.places[i].x - origin.x);
     y[i] = static_cast<float>(batch.places[i].y - origin.y);
   }
-  Derivatives<kSamples> sums;
+  Derivatives sums;
+  SumsOf64 all{sums.xx, sums.xy, sums.yx, sums.yy};
   for (const spline::TermIndex::Entry& e : batch.terms) {
-    const Motion& motion = motions_[e.piece];
+    const Motion motion = motion_of(e.piece);
+    if (!motion.any) continue;
     const Vec2 here = motion.at_zero + origin.x * motion.by_x + origin.y * motion.by_y;
     const Plane move_x = spline::plane_in<float>({here.x, motion.by_x.x, motion.by_y.x});
     const Plane move_y = spline::plane_in<float>({here.y, motion.by_x.y, motion.by_y.y});
-    add_term(local_term(basis_.pieces().terms[e.term], origin), move_x, move_y, x.data(), y.data(), sums);
+    add_term(local_term(basis_.pieces().terms[e.term], origin), move_x, move_y, x.data(), y.data(), all);
   }
-  Values areas;
-  for (std::size_t i = 0; i < kSamples; ++i)
-    areas[i] = (1 + sums.xx[i]) * (1 + sums.yy[i]) - sums.xy[i] * sums.yx[i];
-  return areas;
+  return sums;
 }
 
 std::size_t Folds::find(double least_area) {
-  parallel_for(batches_.size(), [&](std::size_t b) {
-    Batch& batch = batches_[b];
-    if (batch.is_known || batch.places.empty()) return;
-    const Values found = areas(batch);
+  for (Batch& batch : batches_) {
+    if (batch.is_known) continue;
     batch.folded = 0;
     for (std::size_t i = 0; i < batch.places.size(); ++i) {
-      if (static_cast<double>(found[i]) < least_area) batch.folded |= std::uint64_t{1} << i;
+      const Derivatives& d = batch.all;
+      const float area = (1 + d.xx[i]) * (1 + d.yy[i]) - d.xy[i] * d.yx[i];
+      if (static_cast<double>(area) < least_area) batch.folded |= std::uint64_t{1} << i;
     }
     batch.is_known = true;
-  });
+  }
   std::size_t count = 0;
   for (const Batch& batch : batches_) count += static_cast<std::size_t>(std::popcount(batch.folded));
   return count;
@@ -234,19 +254,48 @@ std::vector<std::uint8_t> Folds::groups() const {
   return groups;
 }
 
-void Folds::change(std::span<const Vec2> displacement, const std::vector<std::uint8_t>& changed) {
-  const std::vector<spline::Piece>& pieces = basis_.pieces().pieces;
-  std::vector<std::uint8_t> touched(pieces.size());
-  for (std::size_t p = 0; p < pieces.size(); ++p) {
-    touched[p] = std::any_of(pieces[p].functions.begin(), pieces[p].functions.end(), [&](FunctionIndex f) {
-      return f != spline::kNoFunction && changed[basis_.space().geometry_of()[f]];
-    });
-    if (touched[p]) motions_[p] = motion_of(pieces[p], displacement);
+void Folds::name_groups() {
+  std::vector<std::vector<std::uint32_t>> groups(batches_.size());
+  parallel_for(batches_.size(), [&](std::size_t b) {
+    for (const spline::TermIndex::Entry& e : batches_[b].terms) {
+      for (const FunctionIndex f : basis_.pieces().pieces[e.piece].functions) {
+        if (f != spline::kNoFunction) groups[b].push_back(basis_.space().geometry_of()[f]);
+      }
+    }
+    std::sort(groups[b].begin(), groups[b].end());
+    groups[b].erase(std::unique(groups[b].begin(), groups[b].end()), groups[b].end());
+  });
+  reached_.resize(displacement_.size());
+  for (std::uint32_t b = 0; b < groups.size(); ++b) {
+    for (const std::uint32_t g : groups[b]) reached_[g].push_back(b);
   }
-  for (Batch& batch : batches_) {
-    batch.is_known = std::none_of(batch.terms.begin(), batch.terms.end(),
-                                  [&](const spline::TermIndex::Entry& e) { return touched[e.piece]; });
+}
+
+void Folds::shrink(const std::vector<std::uint8_t>& shrinking, double factor) {
+  if (reached_.empty()) name_groups();
+  std::vector<std::vector<std::uint32_t>> groups(batches_.size());  // that shrink, in order
+  for (std::uint32_t g = 0; g < shrinking.size(); ++g) {
+    if (!shrinking[g]) continue;
+    for (const std::uint32_t b : reached_[g]) groups[b].push_back(g);
   }
+  parallel_for(batches_.size(), [&](std::size_t b) {
+    if (!groups[b].empty()) shrink(batches_[b], std::move(groups[b]), shrinking, factor);
+  });
+  for (std::size_t g = 0; g < displacement_.size(); ++g) {
+    if (shrinking[g]) displacement_[g] = factor * displacement_[g];
+  }
+}
+
+void Folds::shrink(Batch& batch, std::vector<std::uint32_t> groups, std::span<const std::uint8_t> shrinking,
+                   double factor) const {
+  if (groups != batch.shrinking) {
+    batch.part = derivatives(
+        batch, [&](std::uint32_t piece) { return motion_of(basis_.pieces().pieces[piece], shrinking); });
+    batch.shrinking = std::move(groups);
+  }
+  batch.all.add(batch.part, static_cast<float>(factor) - 1);
+  batch.part.scale(static_cast<float>(factor));
+  batch.is_known = false;
 }
 
 }  // namespace knotreel::fit

@@ -17,13 +17,10 @@ std::size_t unfold_geometry(const spline::Basis& basis, std::vector<Vec2>& displ
   Folds folds(basis, displacement);
   std::size_t found = folds.find(kLeastArea);
   for (double left = 1; left > kMostShrunk && found > 0; left *= shrink) {
-    const std::vector<std::uint8_t> folded = folds.groups();
-    for (std::size_t g = 0; g < displacement.size(); ++g) {
-      if (folded[g]) displacement[g] = shrink * displacement[g];
-    }
-    folds.change(displacement, folded);
+    folds.shrink(folds.groups(), shrink);
     found = folds.find(kLeastArea);
   }
+  displacement = folds.displacement();
   return found;
 }
 

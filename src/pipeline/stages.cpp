@@ -81,10 +81,12 @@ void Stages::ahead(Message& message) {
     if (groups_at_once_) cold(message);
     return;
   }
-  const track::Drawing how = message.stretch->tracker.drawing();
+  const track::Tracker& tracker = message.stretch->tracker;
+  const track::Drawing how = tracker.drawing();
   if (how == track::Drawing::kNone || message.same_picture) return;
   timed(failure_, "curves", message, [&] {
-    message.ahead.curves = track::find_drawn_curves(*message.picture, *job_.tracking.drawn, how);
+    message.ahead.curves =
+        track::find_drawn_curves(*message.picture, *job_.tracking.drawn, how, tracker.known_corners());
   });
 }
 

@@ -23,15 +23,17 @@ constexpr Sheet kYielding{.stiffness = 0, .elasticity = 0.03, .inertia = 0.001};
 }  // namespace
 
 std::shared_ptr<const DrawnCurves> find_drawn_curves(const image::Image& picture,
-                                                     const vectorize::Options& drawn, Drawing how) {
+                                                     const vectorize::Options& drawn, Drawing how,
+                                                     std::shared_ptr<features::KnownCorners> known) {
   if (!features::is_drawing(picture)) return nullptr;
   DrawnCurves curves;
   curves.fine_grid = how == Drawing::kFineGrid;
+  curves.known = known ? std::move(known) : std::make_shared<features::KnownCorners>();
   if (curves.fine_grid) {
     const image::Image enlarged = image::enlarge_twofold(picture);
-    curves.found = vectorize::find_curves({enlarged, picture}, vectorize::on_fine_grid(drawn));
+    curves.found = vectorize::find_curves({enlarged, picture}, vectorize::on_fine_grid(drawn), *curves.known);
   } else {
-    curves.found = vectorize::find_curves({picture, picture}, drawn);
+    curves.found = vectorize::find_curves({picture, picture}, drawn, *curves.known);
   }
   return std::make_shared<const DrawnCurves>(std::move(curves));
 }
@@ -50,7 +52,8 @@ DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Optio
   if (curves.fine_grid) {
     for (Vec2& v : on_grid) v = 2.0 * v;
   }
-  is_sound_ = vectorize::map_curves(picture, limited, most_functions, curves.found, on_grid, log, mapped_);
+  is_sound_ = vectorize::map_curves(picture, limited, most_functions, curves.found, on_grid, *curves.known,
+                                    log, mapped_);
   limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share, curves.fine_grid,
              before.dense};
   if (curves.fine_grid && is_sound_) mapped_ = vectorize::halved_features(mapped_);

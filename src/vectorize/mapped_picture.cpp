@@ -64,7 +64,7 @@ class Mapping {
  public:
   /// @param scale of the grid; map_curves() needs no more of it than that.
   Mapping(const Grid& grid, int scale, bool drawing, const Options& options, std::size_t max_functions,
-          RunLog& log, MappedPicture& mapped)
+          features::KnownCorners& known, RunLog& log, MappedPicture& mapped)
       : picture_(grid.pixels),
         original_(grid.original),
         scale_(scale),
@@ -73,6 +73,7 @@ class Mapping {
         parametrize_(parametrize_options(options, drawing_)),
         shares_{options.feature_share, weak_share(options, drawing_)},
         max_functions_(max_functions),
+        known_(known),
         log_(log),
         mapped_(mapped) {}
 
@@ -139,7 +140,7 @@ class Mapping {
     if (!mapped_.has_features()) return;
     if (options_.fairing) features::fair_chains(mapped_.faired, options_.fair);
     if (options_.corner_detection) {
-      log_.report.corners = features::sharpen_corners(original_, mapped_.faired, options_.corners);
+      log_.report.corners = features::sharpen_corners(original_, mapped_.faired, options_.corners, &known_);
       features::prefer_side_ends(mapped_.faired);
     }
     log_.progress.faired = &mapped_.faired;
@@ -256,6 +257,7 @@ class Mapping {
   param::ParametrizeOptions parametrize_;
   FeatureShares shares_;
   std::size_t max_functions_;
+  features::KnownCorners& known_;  // chains are sharpened anew whenever some were dropped
   RunLog& log_;
   MappedPicture& mapped_;
 };
@@ -265,26 +267,28 @@ class Mapping {
 void map_features(const Grid& grid, const Options& options, std::size_t max_functions, RunLog& log,
                   MappedPicture& mapped) {
   const bool drawing = options.features && features::is_drawing(grid.original);
-  Mapping mapping(grid, grid.scale(), drawing, options, max_functions, log, mapped);
+  features::KnownCorners known;
+  Mapping mapping(grid, grid.scale(), drawing, options, max_functions, known, log, mapped);
   mapping.find();
   mapping.map();
 }
 
-Curves find_curves(const Grid& grid, const Options& options) {
+Curves find_curves(const Grid& grid, const Options& options, features::KnownCorners& known) {
   const Observer nobody;
   RunLog log(grid.pixels, nobody);
   log.begin_round("features");
   MappedPicture mapped;
-  Mapping mapping(grid, grid.scale(), true, options, 0, log, mapped);
+  Mapping mapping(grid, grid.scale(), true, options, 0, known, log, mapped);
   mapping.find();
   mapping.fair_and_spread();
   return {std::move(mapped.detected), std::move(mapped.faired)};
 }
 
 bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
-                const Curves& curves, std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped) {
+                const Curves& curves, std::span<const Vec2> vertices, features::KnownCorners& known,
+                RunLog& log, MappedPicture& mapped) {
   const int scale = features::scale_of(curves.detected, picture);
-  return Mapping({picture, picture}, scale, true, options, max_functions, log, mapped)
+  return Mapping({picture, picture}, scale, true, options, max_functions, known, log, mapped)
       .map_curves(curves, vertices);
 }
 

@@ -5,6 +5,7 @@
 
 #include "knotreel/features/chains.h"
 #include "knotreel/features/image_mesh.h"
+#include "knotreel/features/known_corners.h"
 #include "knotreel/image/image.h"
 #include "knotreel/knots/target.h"
 #include "knotreel/mesh/knot_mesh.h"
@@ -49,7 +50,8 @@ struct Curves {
 };
 
 /// @param grid of a drawing (features::is_drawing()), as also for map_curves().
-Curves find_curves(const Grid& grid, const Options& options);
+/// @param known of the pictures before, as also for map_curves().
+Curves find_curves(const Grid& grid, const Options& options, features::KnownCorners& known);
 
 /// The same as map_features() without the pixels, which is a part of the work: neither the corrected picture
 /// nor the image mesh is made, and the map has no pixels.
@@ -58,7 +60,8 @@ Curves find_curves(const Grid& grid, const Options& options);
 /// @param vertices where polylines had vertices in the picture before, which may as well stay; on the grid.
 /// @return whether the knots are those of a sound mesh; if not, what is mapped is of no use.
 bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,
-                const Curves& curves, std::span<const Vec2> vertices, RunLog& log, MappedPicture& mapped);
+                const Curves& curves, std::span<const Vec2> vertices, features::KnownCorners& known,
+                RunLog& log, MappedPicture& mapped);
 
 /// The picture over the domain, where knots are placed.
 knots::Target make_target(const image::Image& picture, const MappedPicture& mapped);

@@ -3,6 +3,7 @@
 #include <cstddef>
 
 #include "knotreel/features/chains.h"
+#include "knotreel/features/known_corners.h"
 #include "knotreel/image/image.h"
 
 namespace knotreel::features {
@@ -26,11 +27,12 @@ struct CornerOptions {
 /// in it enlarged. Two colours explain only pixels that nothing was done to.
 /// @param chains  detected in that picture, and faired. Their positions may be moved by up to three of its
 /// pixels, what is then too far from the pixel goes to ChainPoint::beyond.
+/// @param known   of other pictures, or of this one with other chains; may be null. What is new goes in.
 /// @return how many corners and nodes there are.
 /// @throws Error{kInvalidArgument} if picture and chains are of different sizes, or options are out of range.
 /// Linear time. The same bits for any number of threads. Safe to call from several threads on different
 /// chains.
 std::size_t sharpen_corners(const image::Image& image, FeatureChains& chains,
-                            const CornerOptions& options = {});
+                            const CornerOptions& options = {}, KnownCorners* known = nullptr);
 
 }  // namespace knotreel::features

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "knotreel/features/known_corners.h"
 #include "knotreel/image/image.h"
 #include "knotreel/vectorize/options.h"
 
@@ -21,9 +22,11 @@ enum class Drawing : std::uint8_t {
 /// A good part of the work of a frame whose features are found anew (docs/decisions/0040). It needs nothing
 /// of other frames, so it may be done ahead of Tracker::next(), for several frames at once.
 /// @param drawn TrackOptions::drawn. @param how as Tracker::drawing(), but for kNone.
+/// @param known Tracker::known_corners() or null: of pictures that are mostly the same. Curves keep it.
 /// @return null if the picture is no drawing (features::is_drawing()).
 /// @throws Error{kInvalidArgument} as vectorize_picture().
 std::shared_ptr<const DrawnCurves> find_drawn_curves(const image::Image& picture,
-                                                     const vectorize::Options& drawn, Drawing how);
+                                                     const vectorize::Options& drawn, Drawing how,
+                                                     std::shared_ptr<features::KnownCorners> known = nullptr);
 
 }  // namespace knotreel::track

@@ -150,6 +150,9 @@ class Tracker {
   /// all. May be asked by any thread at any time.
   Drawing drawing() const;
 
+  /// For find_drawn_curves(). May be called while next() is at work.
+  std::shared_ptr<features::KnownCorners> known_corners() const;
+
   /// The last model at its pixels, for whoever draws it; only those that features cross look different.
   std::shared_ptr<const spline::PixelSurface> surface() const;
 
