@@ -42,12 +42,15 @@ void find_places(const CrossedPixel& pixel, Tile& tile, Vec2* places, double* sh
   tile.places(x.data(), y.data(), static_cast<int>(count), places);
 }
 
+std::size_t tile_number(const CrossedPixel& p, int width) {
+  const int columns = (width + kSide - 1) / kSide;
+  return static_cast<std::size_t>(p.y / kSide) * static_cast<std::size_t>(columns) +
+         static_cast<std::size_t>(p.x / kSide);
+}
+
 /// The numbers of crossed pixels, tile by tile.
 std::vector<std::vector<std::size_t>> by_tile(std::span<const CrossedPixel> crossed, int width) {
-  const auto tile_of = [columns = (width + kSide - 1) / kSide](const CrossedPixel& p) {
-    return static_cast<std::size_t>(p.y / kSide) * static_cast<std::size_t>(columns) +
-           static_cast<std::size_t>(p.x / kSide);
-  };
+  const auto tile_of = [width](const CrossedPixel& p) { return tile_number(p, width); };
   std::vector<std::size_t> order(crossed.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::stable_sort(order.begin(), order.end(),
@@ -62,12 +65,15 @@ std::vector<std::vector<std::size_t>> by_tile(std::span<const CrossedPixel> cros
 
 }  // namespace
 
-fit::MixedPixels mixed_pixels(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis) {
+fit::MixedPixels mixed_pixels(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis,
+                              std::span<const std::uint8_t> tiles) {
   const Surface surface(model, std::move(basis));
   const auto width = static_cast<int>(surface.width());
   const auto height = static_cast<int>(surface.height());
-  const std::vector<CrossedPixel> crossed =
+  std::vector<CrossedPixel> crossed =
       FeatureTrace(surface, model.space->mesh()).crossed_pixels(1, 1, 0, height, 0, width);
+  if (!tiles.empty())
+    std::erase_if(crossed, [&](const CrossedPixel& p) { return tiles[tile_number(p, width)] == 0; });
   fit::MixedPixels mixed;
   mixed.begin.push_back(0);
   for (const CrossedPixel& p : crossed) {
@@ -77,16 +83,16 @@ fit::MixedPixels mixed_pixels(const document::FrameModel& model, std::shared_ptr
   }
   mixed.places.resize(mixed.begin.back());
   mixed.shares.resize(mixed.begin.back());
-  const std::vector<std::vector<std::size_t>> tiles = by_tile(crossed, width);
-  parallel_for(tiles.size(), [&](std::size_t t) {
-    const CrossedPixel& first = crossed[tiles[t].front()];
+  const std::vector<std::vector<std::size_t>> numbers = by_tile(crossed, width);
+  parallel_for(numbers.size(), [&](std::size_t t) {
+    const CrossedPixel& first = crossed[numbers[t].front()];
     const Vec2 low{static_cast<double>(first.x / kSide * kSide),
                    static_cast<double>(first.y / kSide * kSide)};
     const Vec2 high = low + Vec2{kSide, kSide};
     Tile tile(surface);
     tile.set_block(low, high);
     tile.set(low, high);
-    for (const std::size_t i : tiles[t])
+    for (const std::size_t i : numbers[t])
       find_places(crossed[i], tile, &mixed.places[mixed.begin[i]], &mixed.shares[mixed.begin[i]]);
   });
   return mixed;

@@ -231,13 +231,12 @@ std::shared_ptr<ColdFrame> make_drawn_frame(const image::Image& picture, const C
                                             const FeatureLimits& group, double colour_step) {
   const Way way = group.dense ? Way::kDense : group.fine_grid ? Way::kDrawn : Way::kPlain;
   std::shared_ptr<ColdFrame> made = made_in(way, options, picture, colour_step);
-  if (way == Way::kDense || has_room(*made, *options.drawn, picture) ||
-      !is_poor(*made, *options.drawn, picture))
-    return made;
+  if (way == Way::kDense || has_room(*made, *options.drawn, picture)) return made;
   const auto take_if_better = [&](const std::shared_ptr<ColdFrame>& other) {
     if (other && worth(*other, picture) >= worth(*made, picture) + kGainOfDrawing) made = other;
   };
-  if (way == Way::kDrawn) take_if_better(made_in(Way::kPlain, options, picture, colour_step));
+  if (way == Way::kDrawn && is_poor(*made, *options.drawn, picture))
+    take_if_better(made_in(Way::kPlain, options, picture, colour_step));
   if (options.dense) take_if_better(drawing_with_room(Way::kDense, options, picture, colour_step, {}));
   return made;
 }

@@ -70,7 +70,11 @@ KnotMesh Rework::rework(const ReworkInput& input, bool urgent, const ReworkLog& 
 void Rework::settle(const ReworkInput& input, std::span<const float> errors, bool urgent, KnotMesh& mesh) {
   const FittedFrame& frame = input.frame;
   if (urgent) settling_.wake();
-  const std::vector<std::uint8_t> awake = settling_.awake(mesh, resting_knots(mesh, input.rest));
+  const std::vector<std::uint8_t> resting = resting_knots(mesh, input.rest);
+  std::vector<std::uint8_t> awake = settling_.awake(mesh, resting);
+  if (input.is_drawn) {  // what would be gained is not worth the bytes and the time (docs/decisions/0046)
+    for (std::size_t k = 0; k < awake.size(); ++k) awake[k] = awake[k] && !resting[k] ? 1 : 0;
+  }
   std::vector<Vec2> moves =
       settling_.moves(mesh, fit::knot_gradient(frame.values(), frame.seen.view(), frame.colours, awake),
                       std::accumulate(errors.begin(), errors.end(), 0.0));
@@ -114,6 +118,13 @@ void Rework::grow_group(const ReworkInput& input) {
   group_functions_ = std::max(group_functions_, std::min(grown, most));
 }
 
+/// By how much a dense group has more features now than at its start: what is around them asks for more
+/// knots, too. Others may use all of their bound.
+double Rework::richer(const FittedFrame& frame) const {
+  if (!is_dense_ || group_features_ <= 0) return 1;
+  return std::max(1.0, feature_length(frame.space->mesh()) / group_features_);
+}
+
 /// Puts knots where the error is: as many as got lost, and those that are idle elsewhere.
 void Rework::refill(const ReworkInput& input, std::span<const float> errors, bool urgent, EditableMesh& mesh,
                     const std::vector<KnotIndex>& born, double born_functions, const ReworkLog& log) const {
@@ -121,7 +132,7 @@ void Rework::refill(const ReworkInput& input, std::span<const float> errors, boo
   const int width = input.target.image().width, height = input.target.image().height;
   const double functions = static_cast<double>(frame.space->function_count());
   const double per_knot = functions / static_cast<double>(frame.space->mesh().knots.size());
-  const double wanted = std::min(static_cast<double>(group_functions_),
+  const double wanted = std::min(richer(frame) * static_cast<double>(group_functions_),
                                  (1 - kBoundLeeway) * static_cast<double>(input.most_functions));
   double missing = (wanted - functions - born_functions) / per_knot;
   // Features come and go there, and what they leave need not be filled.

@@ -60,6 +60,7 @@ class Rework {
   void refill(const ReworkInput& input, std::span<const float> errors, bool urgent, mesh::EditableMesh& mesh,
               const std::vector<mesh::KnotIndex>& born, double born_functions, const ReworkLog& log) const;
   void grow_group(const ReworkInput& input);
+  double richer(const FittedFrame& frame) const;
 
   vectorize::Options cold_;
   TrackOptions options_;

@@ -42,6 +42,22 @@ std::vector<std::uint8_t> tiles_to_fit(const spline::PixelValues& values,
   return tiles;
 }
 
+/// Those and the ones around them, whose mixed pixels have places in them; or none: everywhere.
+std::vector<std::uint8_t> tiles_near(const std::vector<std::uint8_t>& tiles, std::size_t columns) {
+  std::vector<std::uint8_t> result(tiles.size(), 0);
+  const std::size_t rows = columns == 0 ? 0 : tiles.size() / columns;
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    if (!tiles[t]) continue;
+    const std::size_t row = t / columns;
+    const std::size_t column = t % columns;
+    for (std::size_t y = row - std::min<std::size_t>(row, 1); y < std::min(rows, row + 2); ++y) {
+      for (std::size_t x = column - std::min<std::size_t>(column, 1); x < std::min(columns, column + 2); ++x)
+        result[y * columns + x] = 1;
+    }
+  }
+  return result;
+}
+
 /// Colours of control points in the frame before; NaN for those that were not there.
 std::vector<double> colours_before(const FittedFrame& before, std::span<const std::uint32_t> match) {
   const std::vector<double>& control = before.colours.control;
@@ -69,25 +85,20 @@ std::vector<double> reluctance_to_change(const FittedFrame& before, const Fitted
 
 void fit_warm_frame(const FittedFrame& before, const WarmFit& how, FittedFrame& frame, Laps& laps) {
   Kept kept(before, frame, how.match);
-  fit::MixedPixels mixed;
-  const bool has_mixed = how.mixed_weight > 0 && !frame.space->mesh().segments.empty();
-  parallel_invoke(
-      [&] {
-        frame.seen =
-            place_pixels(frame.basis, frame.displacement, how.picture, frame.edge_softness, kept.places());
-      },
-      [&] {
-        if (!has_mixed) return;
-        mixed = vectorize::mixed_pixels(model_of(frame, how.picture.channels), frame.basis, how.picture,
-                                        how.mixed_weight);
-      });
-  laps.lap("places");
+  frame.seen = place_pixels(frame.basis, frame.displacement, how.picture, frame.edge_softness, kept.places());
   kept.see();
   frame.ages = kept.ages();
   const std::vector<std::uint8_t> settled = settled_functions(before, frame);
+  const std::vector<std::uint8_t> tiles = tiles_to_fit(frame.values(), settled);
+  fit::MixedPixels mixed;
+  const bool has_mixed = how.mixed_weight > 0 && !frame.space->mesh().segments.empty();
+  if (has_mixed)
+    mixed = vectorize::mixed_pixels(model_of(frame, how.picture.channels), frame.basis, how.picture,
+                                    how.mixed_weight, tiles_near(tiles, frame.values().tile_columns()));
+  laps.lap("places");
   const image::Image wanted =
       temporal_target(frame.seen.picture, before.colours.residual, before.seen.weights, how.motion,
-                      how.options.temporal_weight, tiles_to_fit(frame.values(), settled));
+                      how.options.temporal_weight, tiles);
   fit::Pixels pixels = frame.seen.view();
   pixels.image = &wanted;
   if (has_mixed) pixels.mixed = &mixed;

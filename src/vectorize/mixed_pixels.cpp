@@ -19,9 +19,10 @@ bool is_stepped(const image::Image& picture, int x, int y) {
 }  // namespace
 
 fit::MixedPixels mixed_pixels(document::FrameModel model, const std::shared_ptr<const spline::Basis>& basis,
-                              const image::Image& picture, double weight) {
+                              const image::Image& picture, double weight,
+                              std::span<const std::uint8_t> tiles) {
   model.colour.resize(model.space->function_count() * static_cast<std::size_t>(model.channels));
-  fit::MixedPixels mixed = raster::mixed_pixels(model, basis);
+  fit::MixedPixels mixed = raster::mixed_pixels(model, basis, tiles);
   const auto channels = static_cast<std::size_t>(picture.channels);
   const auto width = static_cast<std::size_t>(picture.width);
   for (const std::uint32_t pixel : mixed.pixels) {
