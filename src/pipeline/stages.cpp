@@ -86,7 +86,7 @@ void Stages::ahead(Message& message) {
   if (how == track::Drawing::kNone || message.same_picture) return;
   timed(failure_, "curves", message, [&] {
     message.ahead.curves =
-        track::find_drawn_curves(*message.picture, *job_.tracking.drawn, how, tracker.known_corners());
+        track::find_drawn_curves(*message.picture, *job_.tracking.drawn, how, tracker.known_drawings());
   });
 }
 

@@ -5,7 +5,6 @@
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/features/flat_share.h"
 #include "knotreel/fit/geometry_fit.h"
-#include "knotreel/image/enlarge.h"
 #include "track/bend_geometry.h"
 #include "vectorize/fine_grid.h"
 #include "vectorize/run_log.h"
@@ -24,16 +23,17 @@ constexpr Sheet kYielding{.stiffness = 0, .elasticity = 0.03, .inertia = 0.001};
 
 std::shared_ptr<const DrawnCurves> find_drawn_curves(const image::Image& picture,
                                                      const vectorize::Options& drawn, Drawing how,
-                                                     std::shared_ptr<features::KnownCorners> known) {
+                                                     std::shared_ptr<KnownDrawings> known) {
   if (!features::is_drawing(picture)) return nullptr;
   DrawnCurves curves;
   curves.fine_grid = how == Drawing::kFineGrid;
-  curves.known = known ? std::move(known) : std::make_shared<features::KnownCorners>();
+  curves.known = known ? std::move(known) : std::make_shared<KnownDrawings>();
   if (curves.fine_grid) {
-    const image::Image enlarged = image::enlarge_twofold(picture);
-    curves.found = vectorize::find_curves({enlarged, picture}, vectorize::on_fine_grid(drawn), *curves.known);
+    const std::shared_ptr<const image::Enlarged> enlarged = curves.known->enlarged(picture);
+    curves.found = vectorize::find_curves({enlarged->image, picture}, vectorize::on_fine_grid(drawn),
+                                          curves.known->corners());
   } else {
-    curves.found = vectorize::find_curves({picture, picture}, drawn, *curves.known);
+    curves.found = vectorize::find_curves({picture, picture}, drawn, curves.known->corners());
   }
   return std::make_shared<const DrawnCurves>(std::move(curves));
 }
@@ -52,8 +52,8 @@ DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Optio
   if (curves.fine_grid) {
     for (Vec2& v : on_grid) v = 2.0 * v;
   }
-  is_sound_ = vectorize::map_curves(picture, limited, most_functions, curves.found, on_grid, *curves.known,
-                                    log, mapped_);
+  is_sound_ = vectorize::map_curves(picture, limited, most_functions, curves.found, on_grid,
+                                    curves.known->corners(), log, mapped_);
   limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share, curves.fine_grid,
              before.dense};
   if (curves.fine_grid && is_sound_) mapped_ = vectorize::halved_features(mapped_);

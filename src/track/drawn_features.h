@@ -18,7 +18,7 @@ namespace knotreel::track {
 struct DrawnCurves {
   vectorize::Curves found;  ///< on their grid
   bool fine_grid = false;
-  std::shared_ptr<features::KnownCorners> known;
+  std::shared_ptr<KnownDrawings> known;
 };
 
 /// The features of a drawn frame, found in its picture as in a picture on its own, for a mesh whose other

@@ -152,7 +152,7 @@ class Tracker::Impl {
 
   std::shared_ptr<const spline::PixelSurface> surface() const { return frame_.surface; }
   Drawing drawing() const { return drawing_; }
-  const std::shared_ptr<features::KnownCorners>& known_corners() const { return known_corners_; }
+  const std::shared_ptr<KnownDrawings>& known_drawings() const { return known_drawings_; }
 
  private:
   ColdOptions cold_options() const { return {cold_, options_.drawn.get(), options_.dense.get()}; }
@@ -292,7 +292,7 @@ class Tracker::Impl {
   std::optional<KnotMesh> redrawn_mesh(const image::Image& picture, const Motion& motion,
                                        std::shared_ptr<const DrawnCurves> curves) {
     if (!curves || curves->fine_grid != frame_.drawn->fine_grid)
-      curves = find_drawn_curves(picture, *options_.drawn, drawing_of_frame(), known_corners_);
+      curves = find_drawn_curves(picture, *options_.drawn, drawing_of_frame(), known_drawings_);
     const std::vector<Vec2> points = image_positions(frame_, next_mesh_);
     const std::vector<Vec2> moves = knot_motion(next_mesh_, points, motion);
     std::vector<Vec2> vertices;
@@ -456,7 +456,7 @@ class Tracker::Impl {
   Rework rework_;
   CurveBending bending_;
   std::atomic<Drawing> drawing_ = Drawing::kNone;  ///< as told to others
-  const std::shared_ptr<features::KnownCorners> known_corners_ = std::make_shared<features::KnownCorners>();
+  const std::shared_ptr<KnownDrawings> known_drawings_ = std::make_shared<KnownDrawings>();
   std::unique_ptr<DrawnFeatures> drawn_;   ///< of a drawn frame that is made from the one before
   std::unique_ptr<knots::Target> target_;  ///< of the last picture
   std::uint32_t next_id_ = 0;
@@ -482,8 +482,8 @@ Drawing Tracker::drawing() const {
   return impl_->drawing();
 }
 
-std::shared_ptr<features::KnownCorners> Tracker::known_corners() const {
-  return impl_->known_corners();
+std::shared_ptr<KnownDrawings> Tracker::known_drawings() const {
+  return impl_->known_drawings();
 }
 
 document::FrameModel Tracker::next(const image::Image& picture, const Motion* motion, FrameReport* report,

@@ -3,8 +3,8 @@
 #include <cstdint>
 #include <memory>
 
-#include "knotreel/features/known_corners.h"
 #include "knotreel/image/image.h"
+#include "knotreel/track/known_drawings.h"
 #include "knotreel/vectorize/options.h"
 
 namespace knotreel::track {
@@ -22,11 +22,11 @@ enum class Drawing : std::uint8_t {
 /// A good part of the work of a frame whose features are found anew (docs/decisions/0040). It needs nothing
 /// of other frames, so it may be done ahead of Tracker::next(), for several frames at once.
 /// @param drawn TrackOptions::drawn. @param how as Tracker::drawing(), but for kNone.
-/// @param known Tracker::known_corners() or null: of pictures that are mostly the same. Curves keep it.
+/// @param known Tracker::known_drawings() or null. Curves keep it.
 /// @return null if the picture is no drawing (features::is_drawing()).
 /// @throws Error{kInvalidArgument} as vectorize_picture().
 std::shared_ptr<const DrawnCurves> find_drawn_curves(const image::Image& picture,
                                                      const vectorize::Options& drawn, Drawing how,
-                                                     std::shared_ptr<features::KnownCorners> known = nullptr);
+                                                     std::shared_ptr<KnownDrawings> known = nullptr);
 
 }  // namespace knotreel::track

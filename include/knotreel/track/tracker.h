@@ -151,7 +151,7 @@ class Tracker {
   Drawing drawing() const;
 
   /// For find_drawn_curves(). May be called while next() is at work.
-  std::shared_ptr<features::KnownCorners> known_corners() const;
+  std::shared_ptr<KnownDrawings> known_drawings() const;
 
   /// The last model at its pixels, for whoever draws it; only those that features cross look different.
   std::shared_ptr<const spline::PixelSurface> surface() const;
