@@ -1,5 +1,6 @@
 #include "knotreel/features/flat_share.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstddef>
 #include <numeric>
@@ -9,32 +10,61 @@
 
 namespace knotreel::features {
 
-double flat_share(const image::Image& image) {
-  if (image.width < 3 || image.height < 3) return 0;
+namespace {
+
+/// Pixels by their largest second difference along the row and the column, in any channel.
+struct Differences {
+  std::size_t flat = 0;   ///< at most a level
+  std::size_t small = 0;  ///< up to kSmall
+  std::size_t large = 0;
+};
+
+constexpr float kFlat = 1;  // levels
+constexpr float kSmall = 8;
+
+/// Without the pixels at the sides.
+Differences differences_of(const image::Image& image) {
+  if (image.width < 3 || image.height < 3) return {};
   const auto channels = static_cast<std::size_t>(image.channels);
   const auto columns = static_cast<std::size_t>(image.width - 2);
   const std::size_t stride = (columns + 2) * channels;
-  std::vector<std::size_t> flat(static_cast<std::size_t>(image.height - 2), 0);
-  parallel_for(flat.size(), [&](std::size_t row) {
+  std::vector<Differences> rows(static_cast<std::size_t>(image.height - 2));
+  parallel_for(rows.size(), [&](std::size_t row) {
     const float* pixel = image.samples.data() + (row + 1) * stride + channels;
     for (std::size_t x = 0; x < columns; ++x, pixel += channels) {
-      bool is_flat = true;
+      float most = 0;
       for (std::size_t c = 0; c < channels; ++c) {
         const float* sample = pixel + c;
         const float along = 2 * *sample - *(sample - channels) - *(sample + channels);
         const float across = 2 * *sample - *(sample - stride) - *(sample + stride);
-        is_flat = is_flat && std::abs(along) <= 1 && std::abs(across) <= 1;
+        most = std::max({most, std::abs(along), std::abs(across)});
       }
-      flat[row] += is_flat ? 1 : 0;
+      ++(most <= kFlat ? rows[row].flat : most <= kSmall ? rows[row].small : rows[row].large);
     }
   });
-  const std::size_t count = std::accumulate(flat.begin(), flat.end(), std::size_t{0});
-  return static_cast<double>(count) / static_cast<double>(columns * flat.size());
+  return std::accumulate(
+      rows.begin(), rows.end(), Differences(), [](Differences sum, const Differences& row) {
+        return Differences{sum.flat + row.flat, sum.small + row.small, sum.large + row.large};
+      });
+}
+
+}  // namespace
+
+double flat_share(const image::Image& image) {
+  const Differences differences = differences_of(image);
+  const std::size_t count = differences.flat + differences.small + differences.large;
+  return count == 0 ? 0 : static_cast<double>(differences.flat) / static_cast<double>(count);
 }
 
 bool is_drawing(const image::Image& image) {
   constexpr double kDrawnShare = 0.6;  // what is left of films by codecs has 0.5 and less
   return flat_share(image) >= kDrawnShare;
+}
+
+bool is_clean(const image::Image& image) {
+  constexpr double kMostSmall = 0.6;  // times the number of large ones
+  const Differences differences = differences_of(image);
+  return static_cast<double>(differences.small) <= kMostSmall * static_cast<double>(differences.large);
 }
 
 }  // namespace knotreel::features

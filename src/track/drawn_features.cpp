@@ -28,12 +28,13 @@ std::shared_ptr<const DrawnCurves> find_drawn_curves(const image::Image& picture
   DrawnCurves curves;
   curves.fine_grid = how == Drawing::kFineGrid;
   curves.known = known ? std::move(known) : std::make_shared<KnownDrawings>();
+  const vectorize::Options suited = vectorize::suited_to(picture, drawn);
   if (curves.fine_grid) {
     const std::shared_ptr<const image::Enlarged> enlarged = curves.known->enlarged(picture);
-    curves.found = vectorize::find_curves({enlarged->image, picture}, vectorize::on_fine_grid(drawn),
+    curves.found = vectorize::find_curves({enlarged->image, picture}, vectorize::on_fine_grid(suited),
                                           curves.known->corners());
   } else {
-    curves.found = vectorize::find_curves({picture, picture}, drawn, curves.known->corners());
+    curves.found = vectorize::find_curves({picture, picture}, suited, curves.known->corners());
   }
   return std::make_shared<const DrawnCurves>(std::move(curves));
 }

@@ -25,6 +25,7 @@ void check_options(const Options& options) {
     refuse("the share of the first round must be above 0, up to 1");
   if (!(options.unfold > 0 && options.unfold < 1)) refuse("what undoes folds must shrink");
   if (!(options.drawn_blur >= 0)) refuse("the blur of drawn edges cannot be negative");
+  if (!(options.noisy_smoothing >= 0)) refuse("the smoothing of noisy drawings cannot be negative");
   if (!(options.drawn_threshold >= 0)) refuse("the threshold of drawn edges cannot be negative");
   if (!(options.drawn_distance > 0)) refuse("the distance of drawn curves must be above zero");
   if (!(options.segment_knot_spacing > 0)) refuse("knots of feature segments must be some way apart");

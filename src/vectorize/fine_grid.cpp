@@ -71,6 +71,13 @@ bool wants_fine_grid(const image::Image& picture, const Options& options) {
   return has_edges_between_pixels(picture, options.detect);
 }
 
+Options suited_to(const image::Image& picture, Options options) {
+  if (options.noisy_smoothing == 0 || features::is_clean(picture)) return options;
+  options.fine_smoothing = options.noisy_smoothing;
+  options.drawn_threshold = 0;
+  return options;
+}
+
 Options on_fine_grid(Options options) {
   constexpr double kScale = 2;
   options.meg *= kScale;

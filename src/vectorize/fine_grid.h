@@ -16,6 +16,9 @@ namespace knotreel::vectorize {
 /// Whether a picture is to be so, by the options and what is in it.
 bool wants_fine_grid(const image::Image& picture, const Options& options);
 
+/// The settings without what is for clean pictures only, if this one is not: there, faint edges are noise.
+Options suited_to(const image::Image& picture, Options options);
+
 /// The same settings in pixels of half the size.
 Options on_fine_grid(Options options);
 

@@ -114,8 +114,8 @@ Options video_options(Options picture) {
 Options drawn_video_options(Options picture) {
   picture.clear_inside = false;  // 0.1 dB worse there
   if (picture.fine_grid == FineGrid::kAll) picture.fine_grid = FineGrid::kDrawings;
-  picture.drawn_threshold = 0;
-  picture.fine_smoothing = 1.2;  // noise of codecs, too
+  picture.fine_smoothing = 1;
+  picture.noisy_smoothing = 1.2;
   // Whether a feature is weak changes from frame to frame.
   picture.drawn_weak_share = picture.feature_share;
   return picture;

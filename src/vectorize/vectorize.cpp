@@ -56,7 +56,7 @@ void descend(const Options& options, const Samples& samples, RunLog& log, Draft&
 class Run {
  public:
   Run(const image::Image& picture, const Options& options, const Observer& observer)
-      : picture_(picture), options_(options), log_(picture, observer) {}
+      : picture_(picture), options_(suited_to(picture, options)), log_(picture, observer) {}
 
   Vectorization run() {
     log_.begin_round("round 1");
@@ -129,7 +129,7 @@ class Run {
   }
 
   const image::Image& picture_;
-  const Options& options_;
+  const Options options_;
   RunLog log_;
   Draft draft_;
   document::FrameModel model_;

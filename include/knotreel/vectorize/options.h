@@ -94,6 +94,9 @@ struct Options {
   /// Times detect.smoothing, on a fine grid, in its pixels; > 0. Less than 2, which is the same in pixels of
   /// the picture: that is what fine pixels are for.
   double fine_smoothing = 0.8;
+  /// The same of drawings that are not clean (features::is_clean()), which have no drawn_threshold then. 0:
+  /// all count as clean.
+  double noisy_smoothing = 0;
 
   knots::OptimiseOptions optimise{.rounds = 1, .steps = 4};
   fit::ColourFitOptions colour{.precision = fit::Precision::kSingle};
