@@ -23,10 +23,13 @@ namespace {
 // By which a drawing must be better with the options of drawings, or densely, since its frames take longer
 // then; dB.
 constexpr double kGainOfDrawing = 0.5;
+constexpr double kGainOfCramped = 3;  // without room for the frames behind: they will often be made anew
 // Share of the control points that it may use up: features change from frame to frame, and need room for
 // that.
 constexpr double kMostOfBound = 0.95;
 constexpr double kMostAtFirst = 0.75;  // by the first knots, which may have 0.8
+// Share of the pixels: who allows so many control points wants drawings whose features fill them, too.
+constexpr double kGenerous = 0.05;
 // Softness of edges (document::FrameModel) up to which a drawing that has room is better for certain.
 constexpr double kCrisp = 0.02;
 
@@ -106,6 +109,12 @@ bool is_poor(const ColdFrame& cold, const vectorize::Options& options, const ima
   return quality_of(cold.frame.colours.residual, cold.frame.seen.weights, picture).mec > options.mec;
 }
 
+/// Whether a drawing may fill its control points, without room for the frames behind.
+bool may_be_cramped(Way way, const vectorize::Options& options, const image::Image& picture) {
+  return way != Way::kDense &&
+         most_functions(options, picture) >= kGenerous * static_cast<double>(picture.pixel_count());
+}
+
 double expected_functions(const vectorize::Progress& progress, int degree) {
   return vectorize::expected_functions(mesh::EditableMesh(*progress.knot_mesh), degree);
 }
@@ -119,6 +128,7 @@ bool may_have_room(const ColdOptions& options, const image::Image& picture) {
     bool has_room;
   };
   const vectorize::Options plain = options_for(Way::kPlain, options);
+  if (may_be_cramped(Way::kDrawn, plain, picture)) return true;
   const double most = most_functions(plain, picture);
   try {
     vectorize::vectorize_picture(picture, plain, [&](const vectorize::Progress& progress) {
@@ -131,15 +141,17 @@ bool may_have_room(const ColdOptions& options, const image::Image& picture) {
   return true;
 }
 
-/// Nothing if it uses up too many control points, of which features and the first knots tell mostly.
-/// @param on_room called once that is told. May be empty.
+/// Nothing if it uses up too many control points, of which features and the first knots tell mostly, unless
+/// it may be cramped.
+/// @param on_room called once it is told that there is room. May be empty.
 std::shared_ptr<ColdFrame> drawing_with_room(Way way, const ColdOptions& options, const image::Image& picture,
                                              double colour_step, const std::function<void()>& on_room) {
   const vectorize::Options chosen = options_for(way, options);
   const double most = most_functions(chosen, picture);
+  const bool may_be_full = may_be_cramped(way, chosen, picture);
   int fairings = 0;
   const auto look = [&](const vectorize::Progress& progress) {
-    if (progress.stage == "features") {
+    if (progress.stage == "features" && !may_be_full) {
       fairings = 0;
       const int scale = features::scale_of(*progress.detected, picture);
       if (vectorize::expected_functions(*progress.detected) > scale * most) throw CalledOff();
@@ -147,12 +159,13 @@ std::shared_ptr<ColdFrame> drawing_with_room(Way way, const ColdOptions& options
     // Once more: some had to go. What is dense is so for its features.
     if (progress.stage == "fairing" && ++fairings > 1 && way == Way::kDense) throw CalledOff();
     if (progress.stage != "knots") return;
-    if (expected_functions(progress, chosen.degree) > kMostAtFirst * most) throw CalledOff();
-    if (on_room) on_room();
+    const bool is_full = expected_functions(progress, chosen.degree) > kMostAtFirst * most;
+    if (is_full && !may_be_full) throw CalledOff();
+    if (!is_full && on_room) on_room();
   };
   try {
     std::shared_ptr<ColdFrame> made = made_in(way, options, picture, colour_step, look);
-    return has_room(*made, chosen, picture) ? made : nullptr;
+    return may_be_full || has_room(*made, chosen, picture) ? made : nullptr;
   } catch (const CalledOff&) {
     return nullptr;
   }
@@ -164,9 +177,11 @@ class Ways {
   Ways(const image::Image& picture, const ColdOptions& options, double colour_step)
       : picture_(picture), options_(options), colour_step_(colour_step) {
     parallel_invoke([&] { make_drawing(); }, [&] { make_film(); });
-    if (drawing_ && best_ != Way::kDense && has_crisp_edges(drawing_->frame)) return;
+    const bool is_cramped = drawing_ && !drawing_has_room();
+    if (drawing_ && !is_cramped && best_ != Way::kDense && has_crisp_edges(drawing_->frame)) return;
     if (!film_) film_ = made_in(Way::kFilm, options_, picture_, colour_step_);
-    if (drawing_ && worth(*drawing_, picture_) >= worth(*film_, picture_) + kGainOfDrawing) return;
+    const double gain = is_cramped ? kGainOfCramped : kGainOfDrawing;
+    if (drawing_ && worth(*drawing_, picture_) >= worth(*film_, picture_) + gain) return;
     best_ = Way::kFilm;
   }
 
@@ -179,17 +194,24 @@ class Ways {
     const bool is_fine = vectorize::wants_fine_grid(picture_, *options_.drawn);
     if (!is_fine || may_have_room(options_, picture_)) {
       film_is_in_the_way_ = is_fine;
-      if (is_fine) drawing_ = with_room(Way::kDrawn);
-      if (!drawing_) drawing_ = with_room(Way::kPlain);
+      if (is_fine) take(Way::kDrawn);
+      if (!drawing_ || !drawing_has_room()) take(Way::kPlain);
     }
-    if (!drawing_ && options_.dense) drawing_ = with_room(Way::kDense);
+    if (options_.dense && (!drawing_ || !drawing_has_room())) take(Way::kDense);
   }
 
-  std::shared_ptr<ColdFrame> with_room(Way way) {
-    best_ = way;
+  /// If there is room, or nothing else so far.
+  void take(Way way) {
     std::function<void()> prefer;
     if (way != Way::kDense) prefer = [this] { film_is_in_the_way_ = true; };
-    return drawing_with_room(way, options_, picture_, colour_step_, prefer);
+    std::shared_ptr<ColdFrame> made = drawing_with_room(way, options_, picture_, colour_step_, prefer);
+    if (!made || (drawing_ && !has_room(*made, options_for(way, options_), picture_))) return;
+    drawing_ = std::move(made);
+    best_ = way;
+  }
+
+  bool drawing_has_room() const {
+    return has_room(*drawing_, options_for(best_, options_), picture_);
   }
 
   /// Left off as soon as the drawing has room, since most that have are better.
