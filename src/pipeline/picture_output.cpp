@@ -2,7 +2,9 @@
 
 #include <cmath>
 #include <limits>
+#include <string>
 #include <utility>
+#include <vector>
 
 namespace knotreel::pipeline {
 namespace {
@@ -99,14 +101,27 @@ void PictureOutput::sum_up(FrameRow& row) {
   } else if (!row.start.empty()) {
     ++sums_.keyframes;
   }
+  warn_of_small_text(row);
   if (on_frame_) on_frame_(row);
+}
+
+/// Once.
+void PictureOutput::warn_of_small_text(const FrameRow& row) {
+  constexpr double kLegible = 26;  // dB
+  if (row.wanted_share == 0 || row.psnr >= kLegible || !sums_.warnings.empty()) return;
+  const auto percent = static_cast<int>(10 * std::ceil(10 * row.wanted_share));
+  sums_.warnings.push_back("frame " + std::to_string(row.index) + " is a drawing with more edges than its " +
+                           std::to_string(row.control_points) +
+                           " control points can show, such as small text; --max-control-points " +
+                           std::to_string(percent) + "% makes them sharper, but takes many times as long");
 }
 
 Summary PictureOutput::finish() {
   if (writer_) {
     writer_->finish();
     sums_.digest = writer_->digest();
-    sums_.warnings = writer_->warnings();
+    const std::vector<std::string> warnings = writer_->warnings();
+    sums_.warnings.insert(sums_.warnings.begin(), warnings.begin(), warnings.end());
   }
   Summary summary = sums_;
   summary.seconds = seconds_between(start_, Clock::now());

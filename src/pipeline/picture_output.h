@@ -38,6 +38,8 @@ class PictureOutput {
   Summary finish();
 
  private:
+  void warn_of_small_text(const FrameRow& row);
+
   raster::RenderOptions at_output_;
   std::optional<video::VideoWriter> writer_;
   image::Image written_;                                ///< last

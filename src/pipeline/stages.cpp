@@ -116,6 +116,8 @@ void Stages::model(Message& message) {
     message.row.knots = report.knots;
     message.row.control_points = report.control_points;
     message.row.survival = report.survival;
+    message.row.wanted_share = static_cast<double>(report.wanted_control_points) /
+                               static_cast<double>(message.picture->pixel_count());
     message.row.changes = std::move(report.changes);
     message.row.model_milliseconds = std::move(report.milliseconds);
   });

@@ -210,9 +210,7 @@ class Ways {
     best_ = way;
   }
 
-  bool drawing_has_room() const {
-    return has_room(*drawing_, options_for(best_, options_), picture_);
-  }
+  bool drawing_has_room() const { return has_room(*drawing_, options_for(best_, options_), picture_); }
 
   /// Left off as soon as the drawing has room, since most that have are better.
   void make_film() {

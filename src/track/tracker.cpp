@@ -193,7 +193,14 @@ class Tracker::Impl {
     rest_.start(picture.width, picture.height);
     next_id_ = EditableMesh(frame_.space->mesh()).next_id();
     outlook_.start_group(report_->psnr);
+    report_->wanted_control_points = wanted_control_points(picture);
     keep_for_next(picture, false);
+  }
+
+  std::size_t wanted_control_points(const image::Image& picture) const {
+    if (frame_.drawn || !options_.drawn || !features::is_drawing(picture)) return 0;
+    const std::size_t wanted = vectorize::default_control_points(picture);
+    return wanted > most_functions_ ? wanted : 0;
   }
 
   void make_target(image::Image picture) {

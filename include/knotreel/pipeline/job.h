@@ -39,6 +39,7 @@ struct FrameRow {
   double psnr = 0;              ///< dB, likewise; infinite for equal pictures
   double ssim = 0;              ///< likewise; 0 if the job does not ask for it
   double survival = 0;          ///< share of the knots of the frame before that are in this one, 0 to 1
+  double wanted_share = 0;      ///< of the pixels: track::FrameReport::wanted_control_points
   track::MeshChanges changes;   ///< of its mesh, and of that for the next frame
   std::uint64_t bytes = 0;      ///< of its chunk in the document
   double modelled_seconds = 0;  ///< since the start of the run, when its model was there; 0: only read
@@ -66,7 +67,7 @@ struct Summary {
   std::uint64_t document_bytes = 0;   ///< of the document, all in, also if it was not kept
   bool stopped = false;               ///< by the caller, before the end of the source
   std::string digest;                 ///< of VideoWriter
-  std::vector<std::string> warnings;  ///< of the writer, one line each
+  std::vector<std::string> warnings;  ///< one line each
 };
 
 /// A part of a picture.

@@ -111,6 +111,9 @@ struct FrameReport {
   double mec = 0;       ///< of the fit, levels, as in vectorize::RoundReport
   double psnr = 0;      ///< of the fit, dB
   double survival = 0;  ///< share of the knots of the frame before that are in this one, 0 to 1
+  /// Of a first frame that is a drawing, but was not drawn for want of control points: what a still like it
+  /// has, if that is more. Else 0.
+  std::size_t wanted_control_points = 0;
   MeshChanges changes;
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };
