@@ -53,12 +53,8 @@ DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Optio
   if (curves.fine_grid) {
     for (Vec2& v : on_grid) v = 2.0 * v;
   }
-  const auto map = [&](std::span<const Vec2> preferred) {
-    mapped_ = {};
-    return vectorize::map_curves(picture, limited, most_functions, curves.found, preferred,
-                                 curves.known->corners(), log, mapped_);
-  };
-  is_sound_ = map(on_grid) || map({});  // vertices of the frame before may be in the way
+  is_sound_ = vectorize::map_curves(picture, limited, most_functions, curves.found, on_grid,
+                                    curves.known->corners(), log, mapped_);
   limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share, curves.fine_grid,
              before.dense};
   if (curves.fine_grid && is_sound_) mapped_ = vectorize::halved_features(mapped_);

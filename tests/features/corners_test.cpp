@@ -231,5 +231,59 @@ TEST(Corners, MisuseIsRefused) {
     EXPECT_THROW(sharpen_corners(picture, chains, {.most_error = bad}), Error) << bad;
 }
 
+TEST(KnownCorners, DoNotShow) {
+  const auto same = [](const FeatureChains& a, const FeatureChains& b) {
+    if (a.chains.size() != b.chains.size()) return false;
+    for (std::size_t c = 0; c < a.chains.size(); ++c) {
+      if (!std::ranges::equal(a.chains[c].points, b.chains[c].points, [](const auto& p, const auto& q) {
+            return p.on_curve() == q.on_curve() && p.corner == q.corner;
+          }))
+        return false;
+    }
+    return true;
+  };
+  KnownCorners known;
+  std::size_t size = 0;
+  for (int i = 0; i < 6; ++i) {
+    // The star stays for two pictures each.
+    const image::Image picture = filled(star({48.6 + i / 2, 45.2}, 35, 16, 4, 0.5));
+    FeatureChains with = curves_of(picture);
+    FeatureChains without = with;
+    EXPECT_EQ(sharpen_corners(picture, with, {}, &known), sharpen_corners(picture, without));
+    EXPECT_TRUE(same(with, without));
+    EXPECT_EQ(known.size() > size, i % 2 == 0) << "what is new";
+    size = known.size();
+  }
+}
+
+TEST(KnownCorners, TellPicturesApart) {
+  KnownCorners known;
+  for (const double ground : {230.0, 231.0, 120.0}) {  // the same curves, other colours
+    const auto corners = star({49.6, 45.2}, 35, 16, 4, 0.5);
+    const image::Image picture = draw(100, 90, [&](double x, double y) {
+      return inside(corners, {x, y}) ? 40.0 : ground;
+    });
+    FeatureChains with = curves_of(filled(corners));
+    FeatureChains without = with;
+    const std::size_t before = known.size();
+    EXPECT_EQ(sharpen_corners(picture, with, {}, &known), sharpen_corners(picture, without));
+    EXPECT_GT(known.size(), before);
+  }
+}
+
+TEST(KnownCorners, ForgetWhatNobodyAsksFor) {
+  KnownCorners known;
+  const image::Image first = filled(star({49.6, 45.2}, 35, 16, 4, 0.5));
+  FeatureChains chains = curves_of(first);
+  sharpen_corners(first, chains, {}, &known);
+  EXPECT_GT(known.size(), 0U);
+  const image::Image empty = draw(100, 90, [](double, double) { return 50.0; });
+  for (int i = 0; i < 8; ++i) {
+    chains = curves_of(empty);
+    sharpen_corners(empty, chains, {}, &known);
+  }
+  EXPECT_EQ(known.size(), 0U);
+}
+
 }  // namespace
 }  // namespace knotreel::features

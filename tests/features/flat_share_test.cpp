@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <random>
 
 #include "features/drawings.h"
@@ -56,6 +57,27 @@ TEST(FlatShare, PicturesWithoutAnInsideHaveNone) {
   EXPECT_EQ(flat_share(testing::draw(2, 50, grey)), 0);
   EXPECT_EQ(flat_share(testing::draw(50, 2, grey)), 0);
   EXPECT_EQ(flat_share(testing::draw(3, 3, grey)), 1);
+}
+
+TEST(IsClean, DrawingsAreAsTheyAreDrawnAndNotAsCodecsLeaveThem) {
+  SCOPED_TRACE(kNoiseSeed);
+  image::Image picture = testing::disc(64, 31.7, 32.2, 20);
+  EXPECT_TRUE(is_clean(picture));
+  std::mt19937 random(kNoiseSeed);
+  for (int y = 0; y < picture.height; ++y) {
+    for (int x = 0; x < picture.width; ++x) {  // around the edge
+      if (std::abs(std::hypot(x - 31.2, y - 31.7) - 20) < 5) picture.at(x, y, 0) += float(random() % 5);
+    }
+  }
+  EXPECT_TRUE(is_drawing(picture));
+  EXPECT_FALSE(is_clean(picture));
+}
+
+TEST(IsClean, SoftEdgesAreNot) {
+  const auto soft = [](double x, double y) {
+    return 120 + 90 * std::tanh((std::hypot(x - 32, y - 32) - 20) / 6);
+  };
+  EXPECT_FALSE(is_clean(testing::draw(64, 64, soft)));
 }
 
 }  // namespace

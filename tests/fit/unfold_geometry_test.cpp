@@ -4,6 +4,7 @@
 #include <random>
 
 #include "fit/fit_cases.h"
+#include "fit/folds.h"
 #include "fit/geometry_map.h"
 #include "knotreel/fit/geometry_fit.h"
 #include "knotreel/spline/surface.h"
@@ -84,6 +85,38 @@ TEST_P(Unfolding, ShrinksWhatFoldsByOneFactor) {
   }
   EXPECT_LT(same, before.size());
   EXPECT_GT(same, 0u);
+}
+
+/// What shrinks again and again is summed once: it is as if all were summed anew.
+TEST_P(Unfolding, FoldsOfShrunkDisplacementsAreThoseOfSmallerOnes) {
+  for (const std::uint64_t seed : {1, 2, 3}) {
+    SCOPED_TRACE(seed);
+    const auto model = blank_model(featured_mesh(seed), GetParam(), 1);
+    const spline::Basis basis(model.space);
+    Folds folds(basis, wild_displacement(*model.space, 8, seed));
+    std::mt19937_64 random(seed);
+    std::vector<std::uint8_t> shrinking(model.space->geometry_count());
+    std::size_t found = 0;
+    for (int round = 0; round < 9; ++round) {
+      if (round % 3 == 0) {  // others than before
+        for (std::uint8_t& s : shrinking) s = random() % 3 == 0 ? 1 : 0;
+      }
+      folds.shrink(shrinking, 0.8);
+      Folds anew(basis, folds.displacement());
+      found += folds.find(kLeast);
+      anew.find(kLeast - kRounding);
+      const std::vector<std::uint8_t> here = folds.groups();
+      const std::vector<std::uint8_t> least = anew.groups();
+      anew.shrink(shrinking, 1);
+      anew.find(kLeast + kRounding);
+      const std::vector<std::uint8_t> most = anew.groups();
+      for (std::size_t g = 0; g < here.size(); ++g) {
+        EXPECT_GE(here[g], least[g]) << "group " << g << ", round " << round;
+        EXPECT_LE(here[g], most[g]) << "group " << g << ", round " << round;
+      }
+    }
+    EXPECT_GT(found, 0U);
+  }
 }
 
 TEST_P(Unfolding, LeavesAloneWhatDoesNotFold) {

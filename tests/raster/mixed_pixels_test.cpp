@@ -6,6 +6,7 @@
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/raster/render.h"
+#include "knotreel/spline/pixel_tiles.h"
 #include "raster/feature_trace.h"
 #include "raster/surface.h"
 #include "support/models.h"
@@ -53,6 +54,37 @@ TEST(MixedPixels, HaveTheColoursThatAreDrawn) {
     }
   }
   EXPECT_GT(split, 100U);
+}
+
+TEST(MixedPixels, OfSomeTilesAreThoseThatAreInThem) {
+  const auto cases = knotreel::testing::corpus_cases();
+  const auto c = std::find_if(cases.begin(), cases.end(), [](const auto& m) {
+    return !m.mesh.segments.empty() && m.mesh.width > spline::PixelTiles::kSide;
+  });
+  ASSERT_NE(c, cases.end());
+  document::FrameModel model = knotreel::testing::blank_model(c->mesh, 2, 1);
+  knotreel::testing::displace_randomly(model, 1, kMixedSeed);
+  const auto basis = std::make_shared<const spline::Basis>(model.space);
+  const fit::MixedPixels all = mixed_pixels(model, basis);
+  const auto width = static_cast<std::size_t>(c->mesh.width);
+  constexpr std::size_t kSide = spline::PixelTiles::kSide;
+  const std::size_t columns = (width + kSide - 1) / kSide;
+  std::vector<std::uint8_t> tiles(columns * ((static_cast<std::size_t>(c->mesh.height) + kSide - 1) / kSide));
+  for (std::size_t t = 0; t < tiles.size(); t += 2) tiles[t] = 1;
+  const fit::MixedPixels some = mixed_pixels(model, basis, tiles);
+  EXPECT_GT(some.pixels.size(), 0U);
+  EXPECT_LT(some.pixels.size(), all.pixels.size());
+  std::size_t k = 0;
+  for (std::size_t i = 0; i < all.pixels.size(); ++i) {
+    if (!tiles[all.pixels[i] / width / kSide * columns + all.pixels[i] % width / kSide]) continue;
+    ASSERT_LT(k, some.pixels.size());
+    EXPECT_EQ(some.pixels[k], all.pixels[i]);
+    ASSERT_EQ(some.begin[k + 1] - some.begin[k], all.begin[i + 1] - all.begin[i]);
+    EXPECT_TRUE(
+        std::equal(&some.places[some.begin[k]], &some.places[some.begin[k + 1]], &all.places[all.begin[i]]));
+    ++k;
+  }
+  EXPECT_EQ(k, some.pixels.size());
 }
 
 TEST(MixedPixels, AreTheSameForAnyNumberOfThreads) {

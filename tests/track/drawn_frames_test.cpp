@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <memory>
 #include <optional>
 #include <random>
@@ -369,6 +370,44 @@ TEST(ColdFrame, ADrawingWithoutRoomIsDenseIfThatIsWorthIt) {
       make_drawn_frame(drawing(34, 40), {film, &drawn, &dense}, {.fine_grid = true}, 2)->frame.drawn->dense);
 }
 
+/// A bound that is a good part of the pixels is there to be filled.
+TEST(ColdFrame, ADrawingMayFillAGenerousBound) {
+  const image::Image squares = many_squares();
+  const auto cold = [&](double share) {
+    const auto most = static_cast<std::size_t>(share * double(squares.pixel_count()));
+    const vectorize::Options film = vectorize::video_options(picture_options(most));
+    const vectorize::Options drawn = vectorize::drawn_video_options(picture_options(most));
+    return make_cold_frame(squares, {film, &drawn}, 2);
+  };
+  const double needed = double(cold(0.5)->frame.space->function_count()) / double(squares.pixel_count());
+  ASSERT_GT(needed, 0.1);
+  EXPECT_TRUE(cold(0.95 * needed)->frame.drawn);
+  EXPECT_FALSE(cold(0.04)->frame.drawn);
+}
+
+TEST(ColdFrame, WhatWasGoodEnoughIsDenseIfItHasNoRoom) {
+  vectorize::Options options = picture_options(400);
+  options.mec = 100;  // anything is
+  const vectorize::Options film = vectorize::video_options(options);
+  const vectorize::Options drawn = vectorize::drawn_video_options(options);
+  options.max_control_points = 6000;
+  const vectorize::Options dense = vectorize::drawn_video_options(options);
+  EXPECT_TRUE(
+      make_drawn_frame(many_squares(), {film, &drawn, &dense}, {.fine_grid = true}, 2)->frame.drawn->dense);
+}
+
+/// A drawing that is made as film since it has no room tells what a still like it has.
+TEST(DrawnFrames, TellWhatTheyLack) {
+  const auto first = [](const image::Image& picture, std::size_t most, bool drawn) {
+    return track({picture}, drawn ? drawn_options(most) : TrackOptions(), most).reports.front();
+  };
+  EXPECT_EQ(first(many_squares(), 400, true).wanted_control_points,
+            vectorize::default_control_points(many_squares()));
+  EXPECT_EQ(first(many_squares(), 400, false).wanted_control_points, 0U) << "nobody wants it drawn";
+  EXPECT_EQ(first(drawing(34, 40), 1000, true).wanted_control_points, 0U) << "it is drawn";
+  EXPECT_EQ(first(test::random_picture(64, 48, 3, 1), 400, true).wanted_control_points, 0U) << "a film";
+}
+
 /// As codecs leave them: with noise around an edge, which costs more on the fine grid.
 image::Image noisy_drawing() {
   image::Image image = drawing(34, 60, 40);
@@ -418,6 +457,74 @@ TEST(DrawnFrames, ThatAreDenseGrowByAFifthAtMost) {
     most = std::max(most, report.control_points);
   }
   EXPECT_LE(double(most), 1.25 * double(first));
+}
+
+/// Rows of squares come one by one.
+TEST(DrawnFrames, ThatAreDenseGrowWithTheirFeatures) {
+  TrackOptions options = drawn_options(400);
+  options.dense =
+      std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(picture_options(8000)));
+  options.drift = 100;
+  std::vector<image::Image> pictures(14, many_squares());
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const int rows = i < 4 ? 64 : 96;
+    for (int y = rows; y < 120; ++y) std::ranges::fill(pictures[i].row(y), 240.0F);
+    for (int y = 106; y < 112; ++y) {  // a dot moves
+      for (int x = 0; x < 18; ++x) pictures[i].row(y)[std::size_t(3 * (10 + 2 * int(i)) + x)] = 30;
+    }
+    // Something for knots beside the features: soft spots, which are wherever there are squares.
+    for (int y = 0; y < rows; ++y) {
+      for (int x = 0; x < 160; ++x) {
+        const double r = std::hypot(x % 16 - 15, y % 16 - 15);
+        for (int c = 0; c < 3; ++c) pictures[i].at(x, y, c) -= float(40 * std::exp(-r * r / 4));
+      }
+    }
+  }
+  const Tracked run = track(pictures, options, 400);
+  const auto free_knots = [&](std::size_t i) {
+    const auto& knots = run.models[i].space->mesh().knots;
+    return std::ranges::count_if(knots, [](const auto& k) { return k.kind == mesh::KnotKind::kFree; });
+  };
+  EXPECT_EQ(run.reports.back().start, Start::kWarm);
+  EXPECT_GT(free_knots(13), 2 * free_knots(3));
+  EXPECT_GT(run.reports[13].psnr, run.reports[3].psnr - 2);
+}
+
+/// A disk moves on the left. On the right there are shades, which knots would follow, and nothing moves.
+image::Image half_at_rest(int frame) {
+  image::Image image = image::make_image(240, 90, 3);
+  const image::Image left = drawing(30, 36 + 1.3 * frame);
+  const image::Image right = drawing(30, 40);
+  for (int y = 0; y < 90; ++y) {
+    for (int x = 0; x < 240; ++x) {
+      const double r = std::hypot(x - 216, y - 14);
+      for (int c = 0; c < 3; ++c) {
+        image.at(x, y, c) = x < 120 ? left.at(x, y, c) : right.at(x - 120, y, c);
+        image.at(x, y, c) -= float(90 * std::exp(-r * r / 60));
+      }
+    }
+  }
+  return image;
+}
+
+TEST(DrawnFrames, KnotsAtRestStay) {
+  std::vector<image::Image> pictures;
+  for (int i = 0; i < 18; ++i) pictures.push_back(half_at_rest(i % 9));
+  TrackOptions options = drawn_options(1500);
+  options.drift = 100;
+  const Tracked run = track(pictures, options, 1500);
+  const auto at_rest = [&](std::size_t i) {
+    std::map<mesh::KnotId, Vec2> places;
+    for (const mesh::Knot& k : run.models[i].space->mesh().knots) {
+      if (k.kind == mesh::KnotKind::kFree && k.position.x > 180) places[k.id] = k.position;
+    }
+    return places;
+  };
+  const auto before = at_rest(8);
+  EXPECT_GT(before.size(), 5U);
+  std::size_t moved = 0;
+  for (const auto& [id, place] : at_rest(17)) moved += before.contains(id) && before.at(id) != place ? 1 : 0;
+  EXPECT_EQ(moved, 0U);
 }
 
 TEST(ColdFrame, ADrawingWithSoftEdgesIsDrawnOnlyIfThatIsBetter) {

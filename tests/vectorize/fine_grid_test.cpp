@@ -88,6 +88,19 @@ TEST(FineGrid, IsForDrawingsOfModestSizeWithEdgesBetweenPixels) {
   EXPECT_FALSE(wants_fine_grid(thin_strokes(1), drawn_video_options(preset_options(Preset::kFast))));
 }
 
+TEST(FineGrid, NoisyDrawingsInVideosAreSmoothed) {
+  const image::Image clean = thin_strokes(1);
+  image::Image noisy = clean;
+  std::mt19937 random(5);
+  for (float& sample : noisy.samples) sample += float(random() % 5);
+  const Options video = drawn_video_options(Options{});
+  EXPECT_EQ(suited_to(clean, video).fine_smoothing, video.fine_smoothing);
+  EXPECT_GT(suited_to(clean, video).drawn_threshold, 0);
+  EXPECT_GT(suited_to(noisy, video).fine_smoothing, video.fine_smoothing);
+  EXPECT_EQ(suited_to(noisy, video).drawn_threshold, 0) << "faint edges may be noise";
+  EXPECT_EQ(suited_to(noisy, Options{}).fine_smoothing, Options{}.fine_smoothing) << "a still";
+}
+
 /// A picture on its way to the fine grid, with its features and first knots.
 struct FineStart {
   static constexpr std::size_t kMost = 3000;  // control points

@@ -559,7 +559,7 @@ TEST(Vectorize, FramesOfVideosAreNotFittedToMixedPixels) {
   EXPECT_EQ(video_options({}).mixed_weight, 0);
 }
 
-TEST(VideoOptions, DrawnFramesHaveWhatPicturesHaveButForFaintAndWeakFeatures) {
+TEST(VideoOptions, DrawnFramesHaveWhatPicturesHaveButForNoiseAndWeakFeatures) {
   Options picture;
   picture.mec = 1.5;
   const Options drawn = drawn_video_options(picture);
@@ -569,7 +569,8 @@ TEST(VideoOptions, DrawnFramesHaveWhatPicturesHaveButForFaintAndWeakFeatures) {
   EXPECT_EQ(drawn.mixed_weight, picture.mixed_weight);
   EXPECT_EQ(drawn.feature_share, picture.feature_share);
   EXPECT_EQ(drawn.mec, 1.5);
-  EXPECT_EQ(drawn.drawn_threshold, 0) << "codecs leave faint traces";
+  EXPECT_EQ(drawn.drawn_threshold, picture.drawn_threshold);
+  EXPECT_GT(drawn.noisy_smoothing, drawn.fine_smoothing) << "codecs leave faint traces";
   EXPECT_EQ(drawn.drawn_weak_share, picture.feature_share) << "whether a feature is weak changes";
 }
 
