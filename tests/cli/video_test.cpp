@@ -118,6 +118,34 @@ TEST_F(CliVideo, SmallVideosHaveMoreControlPointsAndDrawnOnesMore) {
   EXPECT_GT(test::json_psnr(drawn), test::json_psnr(film) + 6);
 }
 
+/// Small text is lost by default, and the user is told what would keep it.
+TEST_F(CliVideo, SmallTextAsksForMoreControlPoints) {
+  for (int i = 0; i < 2; ++i) {
+    image::Image page = image::make_image(420, 330, 1);
+    std::ranges::fill(page.samples, 250.0F);
+    for (int y = 4; y < 320; ++y) {
+      for (int x = 4; x < 410; ++x) {
+        const int letter = x / 11 * 7 + y / 17 * 5, u = x % 11, v = y % 17;
+        const bool stroke = u == 1 || (letter % 2 == 0 && v == 2 && u < 7) ||
+                            (letter % 3 == 0 && v == 6 && u < 7) || (letter % 5 > 1 && u == 6);
+        if (u > 0 && u < 7 && v > 1 && v < 11 && stroke) page.at(x, y, 0) = 20;
+      }
+    }
+    page.at(1, 1, 0) = float(100 * i);
+    image::write_image(path("page_" + std::to_string(i) + ".png"), page);
+  }
+  const auto told = [&](std::vector<std::string> more) {
+    more.insert(more.begin(), {"transcode", path("page_%d.png"), "-f", "null"});
+    const auto result = knotreel(more);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  const std::string text = told({});
+  EXPECT_NE(text.find("warning: frame 0 is a drawing with more edges"), std::string::npos) << text;
+  EXPECT_NE(text.find("--max-control-points"), std::string::npos) << text;
+  EXPECT_EQ(told({"--no-drawn-frames"}).find("small text"), std::string::npos) << "it was not to be drawn";
+}
+
 TEST_F(CliVideo, OneFrameIsNotCalledFrames) {
   image::write_image(path("in_1.png"), test::moving_picture(48, 32, 3, 0));
   const auto result = knotreel({"vectorize", path("in_%d.png"), "-o", document_, "--preset", "fast"});

@@ -18,7 +18,7 @@ bool is_drawing(const image::Image& image);
 /// Whether a drawing comes without the noise that codecs leave around edges: of its second differences that
 /// are more than a level, few are small. Of drawings by programs 0.02 to 0.4 times as many are up to 8 levels
 /// as are larger; of compressed ones 0.9 and more; the bound is 0.6. Shaded and soft ones may count as noisy.
-/// Safe and the same bits as flat_share().
+/// As flat_share() for threads.
 bool is_clean(const image::Image& image);
 
 }  // namespace knotreel::features
