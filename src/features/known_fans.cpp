@@ -6,6 +6,7 @@ namespace knotreel::features {
 namespace {
 
 constexpr std::uint64_t kPictures = 4;  // that may be worked on at once, about
+constexpr std::size_t kMany = 20'000;   // of a kilobyte each: more are kept for one picture only
 
 template <class Number>
 void append(std::string& bytes, std::span<const Number> numbers) {
@@ -32,7 +33,8 @@ std::string key_of(const image::Image& image, FanWindow window, const Fan& start
 void KnownCorners::Fans::begin_picture() {
   const std::lock_guard lock(mutex_);
   ++picture_;
-  std::erase_if(known_, [&](const auto& known) { return known.second.last + kPictures < picture_; });
+  const std::uint64_t pictures = known_.size() > kMany ? 1 : kPictures;
+  std::erase_if(known_, [&](const auto& known) { return known.second.last + pictures < picture_; });
 }
 
 std::optional<FanFit> KnownCorners::Fans::fit(const image::Image& image, const Fan& start,
