@@ -5,6 +5,7 @@
 
 #include "knotreel/base/parallel.h"
 #include "track/matching.h"
+#include "track/tiles_around.h"
 
 namespace knotreel::track {
 
@@ -52,18 +53,11 @@ bool all_of(std::span<const FunctionIndex> functions, const std::vector<std::uin
 
 /// From kUnknown and kAllKnown.
 void mark_near_unknown(std::size_t columns, std::vector<PlacesOfTile>& tiles) {
-  const std::size_t rows = tiles.size() / columns;
+  std::vector<std::uint8_t> unknown(tiles.size());
+  for (std::size_t t = 0; t < tiles.size(); ++t) unknown[t] = tiles[t] == PlacesOfTile::kUnknown ? 1 : 0;
+  const std::vector<std::uint8_t> near = tiles_around(unknown, columns, kTilesAround);
   for (std::size_t t = 0; t < tiles.size(); ++t) {
-    if (tiles[t] != PlacesOfTile::kUnknown) continue;
-    const std::size_t row = t / columns;
-    const std::size_t column = t % columns;
-    const std::size_t left = column - std::min(column, kTilesAround);
-    const std::size_t right = std::min(columns, column + kTilesAround + 1);
-    for (std::size_t y = row - std::min(row, kTilesAround); y < std::min(rows, row + kTilesAround + 1); ++y) {
-      for (std::size_t i = y * columns + left; i < y * columns + right; ++i) {
-        if (tiles[i] == PlacesOfTile::kAllKnown) tiles[i] = PlacesOfTile::kKnown;
-      }
-    }
+    if (near[t] && !unknown[t]) tiles[t] = PlacesOfTile::kKnown;
   }
 }
 

@@ -70,11 +70,8 @@ KnotMesh Rework::rework(const ReworkInput& input, bool urgent, const ReworkLog& 
 void Rework::settle(const ReworkInput& input, std::span<const float> errors, bool urgent, KnotMesh& mesh) {
   const FittedFrame& frame = input.frame;
   if (urgent) settling_.wake();
-  const std::vector<std::uint8_t> resting = resting_knots(mesh, input.rest);
-  std::vector<std::uint8_t> awake = settling_.awake(mesh, resting);
-  if (input.is_drawn) {  // what would be gained is not worth the bytes and the time (docs/decisions/0046)
-    for (std::size_t k = 0; k < awake.size(); ++k) awake[k] = awake[k] && !resting[k] ? 1 : 0;
-  }
+  const std::vector<std::uint8_t> awake =
+      settling_.awake(mesh, resting_knots(mesh, input.rest), input.is_drawn);
   std::vector<Vec2> moves =
       settling_.moves(mesh, fit::knot_gradient(frame.values(), frame.seen.view(), frame.colours, awake),
                       std::accumulate(errors.begin(), errors.end(), 0.0));

@@ -15,13 +15,14 @@ constexpr double kLongest = 0.1;  // share of the shortest edge
 
 }  // namespace
 
-std::vector<std::uint8_t> Settling::awake(const mesh::KnotMesh& mesh,
-                                          std::span<const std::uint8_t> resting) const {
+std::vector<std::uint8_t> Settling::awake(const mesh::KnotMesh& mesh, std::span<const std::uint8_t> resting,
+                                          bool at_once) const {
   std::vector<std::uint8_t> result(mesh.knots.size(), 1);
   for (std::size_t k = 0; k < result.size(); ++k) {
     const auto known = steps_.find(static_cast<std::uint32_t>(mesh.knots[k].id));
-    if (known == steps_.end()) continue;
-    result[k] = known->second.nap == 0 && !(resting[k] && known->second.settled) ? 1 : 0;
+    const bool has_settled = known != steps_.end() && known->second.settled;
+    const bool naps = known != steps_.end() && known->second.nap > 0;
+    result[k] = naps || (resting[k] && (has_settled || at_once)) ? 0 : 1;
   }
   return result;
 }

@@ -26,7 +26,10 @@ class Settling {
 
   /// Knots whose gradient moves() wants to see: 1, all others: 0.
   /// @param resting by knot, 1 where the picture does not change: once settled, such a knot sleeps on.
-  std::vector<std::uint8_t> awake(const mesh::KnotMesh& mesh, std::span<const std::uint8_t> resting) const;
+  /// @param at_once settled or not: what it would gain is not worth the bytes and the time in drawings
+  /// (docs/decisions/0046).
+  std::vector<std::uint8_t> awake(const mesh::KnotMesh& mesh, std::span<const std::uint8_t> resting,
+                                  bool at_once = false) const;
 
   /// @param gradient of the squared error by knot. @param error the squared error, of the whole picture.
   /// @return moves by knot, pixels.

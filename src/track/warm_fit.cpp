@@ -9,12 +9,14 @@
 #include "track/local_error.h"
 #include "track/matching.h"
 #include "track/temporal_target.h"
+#include "track/tiles_around.h"
 #include "vectorize/mixed_pixels.h"
 
 namespace knotreel::track {
 
 namespace {
 
+constexpr std::size_t kTilesOfMixed = 1;  // from those that are fitted to mixed pixels with places in them
 constexpr int kFitsToSettle = 2;  // of the same colours at the same places, before a control point stays
 
 /// By function: 1 for those whose colour has found its place, and stays; or none.
@@ -40,22 +42,6 @@ std::vector<std::uint8_t> tiles_to_fit(const spline::PixelValues& values,
     tiles.push_back(any ? 1 : 0);
   }
   return tiles;
-}
-
-/// Those and the ones around them, whose mixed pixels have places in them; or none: everywhere.
-std::vector<std::uint8_t> tiles_near(const std::vector<std::uint8_t>& tiles, std::size_t columns) {
-  std::vector<std::uint8_t> result(tiles.size(), 0);
-  const std::size_t rows = columns == 0 ? 0 : tiles.size() / columns;
-  for (std::size_t t = 0; t < tiles.size(); ++t) {
-    if (!tiles[t]) continue;
-    const std::size_t row = t / columns;
-    const std::size_t column = t % columns;
-    for (std::size_t y = row - std::min<std::size_t>(row, 1); y < std::min(rows, row + 2); ++y) {
-      for (std::size_t x = column - std::min<std::size_t>(column, 1); x < std::min(columns, column + 2); ++x)
-        result[y * columns + x] = 1;
-    }
-  }
-  return result;
 }
 
 /// Colours of control points in the frame before; NaN for those that were not there.
@@ -94,7 +80,8 @@ void fit_warm_frame(const FittedFrame& before, const WarmFit& how, FittedFrame& 
   const bool has_mixed = how.mixed_weight > 0 && !frame.space->mesh().segments.empty();
   if (has_mixed)
     mixed = vectorize::mixed_pixels(model_of(frame, how.picture.channels), frame.basis, how.picture,
-                                    how.mixed_weight, tiles_near(tiles, frame.values().tile_columns()));
+                                    how.mixed_weight,
+                                    tiles_around(tiles, frame.values().tile_columns(), kTilesOfMixed));
   laps.lap("places");
   const image::Image wanted =
       temporal_target(frame.seen.picture, before.colours.residual, before.seen.weights, how.motion,

@@ -16,6 +16,8 @@ TEST(Settling, KnotsAtRestSleepOnOnceTheyHaveSettled) {
   const std::vector<std::uint8_t> all(count, 1);
   Settling settling({.nap = 2});
   EXPECT_EQ(settling.awake(mesh, resting), all);
+  EXPECT_EQ(settling.awake(mesh, moving, true), all);
+  EXPECT_EQ(settling.awake(mesh, resting, true), moving) << "at once, none is";
   std::vector<Vec2> gradient(count, Vec2{100, 0});
   gradient[0] = {1e-6, 0};
   std::vector<Vec2> moves = settling.moves(mesh, gradient, 100);
