@@ -15,14 +15,25 @@ namespace knotreel::knots {
 namespace {
 
 /// Where the prefix sums of a pixel are among its numbers: of w c for each channel, of x w c, of w |c|^2; and
-/// of w, x w and x^2 w, unless all weights are 1.
-template <std::size_t C, bool Weighted>
+/// of w, x w and x^2 w, unless all weights are 1. They are kept for every so many pixels; those in between
+/// are added up when they are needed, in the same order, to the same bits.
+template <std::size_t C, bool Weighted, std::size_t Every>
 struct Layout {
+  static constexpr std::size_t kChannels = C;
+  static constexpr bool kWeighted = Weighted;
+  static constexpr std::size_t kEvery = Every;
   static constexpr std::size_t kColour = 0, kXColour = C, kSquares = 2 * C;
   static constexpr std::size_t kW = 2 * C + 1, kX = kW + 1, kXX = kX + 1;
   static constexpr std::size_t kUsed = Weighted ? kXX + 1 : kW;
   static constexpr std::size_t kStride = kUsed == 7 ? 8 : kUsed;  ///< as many as a cache line holds
+
+  static constexpr std::size_t row_size(std::size_t width) { return (width / Every + 1) * kStride; }
 };
+
+/// For pictures of more pixels, which leave all caches anyway, every fourth is kept: a fine grid of 2560x1440
+/// needs 74 MB then, not 295.
+constexpr std::size_t kManyPixels = std::size_t{1} << 19U;
+constexpr std::size_t kSparse = 4;
 
 /// Draws slopes that few pixels decide towards zero: this many pixels at distance one say that there is none.
 constexpr double kSlopeRidge = 1.0;
@@ -39,41 +50,105 @@ template <std::size_t Count>
 #endif
 }
 
+/// A row of the picture with its weights, of no meaning if there are none, and its prefix sums.
+struct Row {
+  const float* pixels;
+  const float* weights;
+  const double* prefix;
+};
+
+/// A picture with its prefix sums.
+struct Sums {
+  const float* pixels;
+  const float* weights;
+  const double* prefix;
+  std::size_t width;
+  bool sparse;
+
+  template <class Slot>
+  [[gnu::always_inline]] Row row(std::size_t y) const {
+    return {pixels + y * width * Slot::kChannels, Slot::kWeighted ? weights + y * width : nullptr,
+            prefix + y * Slot::row_size(width)};
+  }
+};
+
+/// Adds column x of a row to the prefix sums up to it. @param after may be the same place.
+template <class Slot>
+[[gnu::always_inline]] inline void add_pixel(const Row& row, std::size_t x, const double* before,
+                                             double* after) {
+  const double w = Slot::kWeighted ? static_cast<double>(row.weights[x]) : 1.0;
+  const double centre = static_cast<double>(x) + 0.5;
+  double squares = 0;
+  for (std::size_t c = 0; c < Slot::kChannels; ++c) {
+    const double v = static_cast<double>(row.pixels[x * Slot::kChannels + c]);
+    squares += v * v;
+    after[Slot::kColour + c] = before[Slot::kColour + c] + w * v;
+    after[Slot::kXColour + c] = before[Slot::kXColour + c] + w * centre * v;
+  }
+  after[Slot::kSquares] = before[Slot::kSquares] + w * squares;
+  if constexpr (Slot::kWeighted) {
+    after[Slot::kW] = before[Slot::kW] + w;
+    after[Slot::kX] = before[Slot::kX] + w * centre;
+    after[Slot::kXX] = before[Slot::kXX] + w * centre * centre;
+  }
+  std::fill(after + Slot::kUsed, after + Slot::kStride, 0.0);
+}
+
+/// Prefix sums up to a column. @param room for them where they are not kept.
+template <class Slot>
+[[gnu::always_inline]] inline const double* sums_before(const Row& row, int column, double* room) {
+  const auto x = static_cast<std::size_t>(column);
+  const std::size_t kept = x / Slot::kEvery;
+  const double* const there = row.prefix + kept * Slot::kStride;
+  if constexpr (Slot::kEvery == 1) return there;
+  std::copy_n(there, Slot::kStride, room);
+  for (std::size_t i = kept * Slot::kEvery; i < x; ++i) add_pixel<Slot>(row, i, room, room);
+  return room;
+}
+
+/// Asks for the memory that sums_before() will read.
+template <class Slot>
+[[gnu::always_inline]] inline void prefetch_sums(const Row& row, int column) {
+  const std::size_t kept = static_cast<std::size_t>(column) / Slot::kEvery;
+  prefetch<Slot::kStride>(row.prefix + kept * Slot::kStride);
+#if defined(__GNUC__)
+  if constexpr (Slot::kEvery != 1) __builtin_prefetch(row.pixels + kept * Slot::kEvery * Slot::kChannels);
+#endif
+}
+
 /// Sums of one triangle. Where its rows begin and end is found first: their sums are fetched from memory at
 /// the same time then, not one after the other.
-template <std::size_t C, bool Weighted>
-[[gnu::always_inline]] inline Moments sum_rows(const TriangleRows& rows, const double* prefix,
-                                               std::size_t width) {
-  using Slot = Layout<C, Weighted>;
+template <class Slot>
+[[gnu::always_inline]] inline Moments sum_rows(const TriangleRows& rows, const Sums& sums) {
   constexpr std::size_t kStride = Slot::kStride;
   constexpr int kRows = 32;  // at a time
   struct Ends {
-    const double* p;
-    const double* q;
-    double begin;
-    double end;
+    int begin;
+    int end;
   };
   std::array<Ends, kRows> ends;
   double sum[kStride] = {};
   double y_sum[kStride] = {};
+  double p_room[kStride];
+  double q_room[kStride];
   Moments m;
   double xx12 = 0;  // 12 times that of m, a sum of whole numbers
   for (int first = rows.first(); first < rows.last(); first += kRows) {
     const int count = std::min(kRows, rows.last() - first);
     for (int i = 0; i < count; ++i) {
-      int begin = 0;
-      int end = 0;
-      rows.columns(first + i, begin, end);
-      const double* row = prefix + static_cast<std::size_t>(first + i) * (width + 1) * kStride;
-      const Ends at{row + static_cast<std::size_t>(begin) * kStride,
-                    row + static_cast<std::size_t>(end) * kStride, static_cast<double>(begin),
-                    static_cast<double>(end)};
-      prefetch<kStride>(at.p);
-      prefetch<kStride>(at.q);
-      ends[static_cast<std::size_t>(i)] = at;
+      Ends& at = ends[static_cast<std::size_t>(i)];
+      rows.columns(first + i, at.begin, at.end);
+      const Row row = sums.row<Slot>(static_cast<std::size_t>(first + i));
+      prefetch_sums<Slot>(row, at.begin);
+      prefetch_sums<Slot>(row, at.end);
     }
     for (int i = 0; i < count; ++i) {
-      const auto [p, q, begin, end] = ends[static_cast<std::size_t>(i)];
+      const Row row = sums.row<Slot>(static_cast<std::size_t>(first + i));
+      const Ends at = ends[static_cast<std::size_t>(i)];
+      const double* const p = sums_before<Slot>(row, at.begin, p_room);
+      const double* const q = sums_before<Slot>(row, at.end, q_room);
+      const double begin = at.begin;
+      const double end = at.end;
       const double centre = first + i + 0.5;
       for (std::size_t k = 0; k < kStride; ++k) {
         const double d = q[k] - p[k];
@@ -81,7 +156,7 @@ template <std::size_t C, bool Weighted>
         y_sum[k] += centre * d;
       }
       double w = end - begin;
-      if constexpr (Weighted) {
+      if constexpr (Slot::kWeighted) {
         w = q[Slot::kW] - p[Slot::kW];
       } else {
         const double x = 0.5 * (end * end - begin * begin);
@@ -94,7 +169,7 @@ template <std::size_t C, bool Weighted>
       m.yy += centre * centre * w;
     }
   }
-  if constexpr (Weighted) {
+  if constexpr (Slot::kWeighted) {
     m.w = sum[Slot::kW];
     m.x = sum[Slot::kX];
     m.xx = sum[Slot::kXX];
@@ -104,7 +179,7 @@ template <std::size_t C, bool Weighted>
     m.xx = xx12 / 12;
   }
   m.squares = sum[Slot::kSquares];
-  for (std::size_t c = 0; c < C; ++c) {
+  for (std::size_t c = 0; c < Slot::kChannels; ++c) {
     m.c[c] = sum[Slot::kColour + c];
     m.xc[c] = sum[Slot::kXColour + c];
     m.yc[c] = y_sum[Slot::kColour + c];
@@ -112,59 +187,51 @@ template <std::size_t C, bool Weighted>
   return m;
 }
 
+template <std::size_t C, bool Weighted>
+[[gnu::always_inline]] inline Moments sum_rows(const TriangleRows& rows, const Sums& sums) {
+  return sums.sparse ? sum_rows<Layout<C, Weighted, kSparse>>(rows, sums)
+                     : sum_rows<Layout<C, Weighted, 1>>(rows, sums);
+}
+
 template <std::size_t C>
-[[gnu::always_inline]] inline Moments sum_rows(const TriangleRows& rows, const double* prefix,
-                                               std::size_t width, bool weighted) {
-  return weighted ? sum_rows<C, true>(rows, prefix, width) : sum_rows<C, false>(rows, prefix, width);
+[[gnu::always_inline]] inline Moments sum_rows(const TriangleRows& rows, const Sums& sums, bool weighted) {
+  return weighted ? sum_rows<C, true>(rows, sums) : sum_rows<C, false>(rows, sums);
 }
 
 KNOTREEL_MULTIVERSION
-Moments sum_triangle(const TriangleRows& rows, const double* prefix, std::size_t width, int channels,
-                     bool weighted) {
+Moments sum_triangle(const TriangleRows& rows, const Sums& sums, int channels, bool weighted) {
   switch (channels) {
     case 1:
-      return sum_rows<1>(rows, prefix, width, weighted);
+      return sum_rows<1>(rows, sums, weighted);
     case 2:
-      return sum_rows<2>(rows, prefix, width, weighted);
+      return sum_rows<2>(rows, sums, weighted);
     case 3:
-      return sum_rows<3>(rows, prefix, width, weighted);
+      return sum_rows<3>(rows, sums, weighted);
     default:
-      return sum_rows<4>(rows, prefix, width, weighted);
+      return sum_rows<4>(rows, sums, weighted);
   }
 }
 
-/// Prefix sums along a row. @param weights of its pixels; of no meaning if not weighted. @param at room for
-/// one more than there are pixels.
-template <std::size_t C, bool Weighted>
-void add_up(std::span<const float> pixels, const float* weights, double* at) {
-  using Slot = Layout<C, Weighted>;
-  std::fill_n(at, Slot::kStride, 0.0);
-  for (std::size_t x = 0; x < pixels.size() / C; ++x, at += Slot::kStride) {
-    const double w = Weighted ? static_cast<double>(weights[x]) : 1.0;
-    const double centre = static_cast<double>(x) + 0.5;
-    double squares = 0;
-    double* to = at + Slot::kStride;
-    for (std::size_t c = 0; c < C; ++c) {
-      const double v = static_cast<double>(pixels[x * C + c]);
-      squares += v * v;
-      to[Slot::kColour + c] = at[Slot::kColour + c] + w * v;
-      to[Slot::kXColour + c] = at[Slot::kXColour + c] + w * centre * v;
-    }
-    to[Slot::kSquares] = at[Slot::kSquares] + w * squares;
-    if constexpr (Weighted) {
-      to[Slot::kW] = at[Slot::kW] + w;
-      to[Slot::kX] = at[Slot::kX] + w * centre;
-      to[Slot::kXX] = at[Slot::kXX] + w * centre * centre;
-    }
-    std::fill(to + Slot::kUsed, to + Slot::kStride, 0.0);
+/// Prefix sums along a row of pixels. @param to room for those that are kept.
+template <class Slot>
+void add_up(const Row& row, std::size_t width, double* to) {
+  std::fill_n(to, Slot::kStride, 0.0);
+  for (std::size_t x = 0; x + Slot::kEvery <= width; x += Slot::kEvery, to += Slot::kStride) {
+    double* const next = to + Slot::kStride;
+    add_pixel<Slot>(row, x, to, next);
+    for (std::size_t i = 1; i < Slot::kEvery; ++i) add_pixel<Slot>(row, x + i, next, next);
   }
 }
 
-/// Calls visit(number of channels, whether weighted), both known to the compiler.
+/// Calls visit(layout), known to the compiler.
 template <class Visit>
-auto by_kind(int channels, bool weighted, Visit&& visit) {
-  const auto with = [&]<std::size_t C>(std::integral_constant<std::size_t, C> c) {
-    return weighted ? visit(c, std::true_type{}) : visit(c, std::false_type{});
+void by_kind(int channels, bool weighted, bool sparse, Visit&& visit) {
+  const auto with = [&]<std::size_t C>(std::integral_constant<std::size_t, C>) {
+    if (sparse) {
+      weighted ? visit(Layout<C, true, kSparse>()) : visit(Layout<C, false, kSparse>());
+    } else {
+      weighted ? visit(Layout<C, true, 1>()) : visit(Layout<C, false, 1>());
+    }
   };
   switch (channels) {
     case 1:
@@ -205,21 +272,24 @@ Target::Target(image::Image image, std::vector<float> weights)
   }
   const auto width = static_cast<std::size_t>(image_.width);
   const auto height = static_cast<std::size_t>(image_.height);
-  by_kind(image_.channels, !weights_.empty(), [&](auto channels, auto weighted) {
-    const std::size_t row_size = (width + 1) * Layout<channels, weighted>::kStride;
+  by_kind(image_.channels, !weights_.empty(), is_sparse(), [&](auto layout) {
     constexpr std::size_t kPerLine = sizeof(Line) / sizeof(double);
-    prefix_ = std::make_unique_for_overwrite<Line[]>((height * row_size + kPerLine - 1) / kPerLine);
+    prefix_ =
+        std::make_unique_for_overwrite<Line[]>((height * layout.row_size(width) + kPerLine - 1) / kPerLine);
   });
   parallel_for(height, [&](std::size_t y) { add_up_row(y); });
 }
 
+bool Target::is_sparse() const {
+  return image_.pixel_count() > kManyPixels;
+}
+
 void Target::add_up_row(std::size_t y) {
   const auto width = static_cast<std::size_t>(image_.width);
-  by_kind(image_.channels, !weights_.empty(), [&](auto channels, auto weighted) {
-    const std::size_t row_size = (width + 1) * Layout<channels, weighted>::kStride;
-    const float* row_weights = weighted ? weights_.data() + y * width : nullptr;
-    add_up<channels, weighted>(image_.row(static_cast<int>(y)), row_weights,
-                               prefix_.get()->data() + y * row_size);
+  double* const prefix = prefix_.get()->data();
+  const Sums sums{image_.samples.data(), weights_.data(), prefix, width, is_sparse()};
+  by_kind(image_.channels, !weights_.empty(), is_sparse(), [&]<class Slot>(Slot) {
+    add_up<Slot>(sums.row<Slot>(y), width, prefix + y * Slot::row_size(width));
   });
 }
 
@@ -237,8 +307,9 @@ void Target::change_to(const image::Image& image) {
 
 Moments Target::moments(const std::array<Vec2, 3>& triangle) const {
   const TriangleRows rows(triangle, image_.width, image_.height);
-  return sum_triangle(rows, prefix_.get()->data(), static_cast<std::size_t>(image_.width), image_.channels,
-                      !weights_.empty());
+  const Sums sums{image_.samples.data(), weights_.data(), prefix_.get()->data(),
+                  static_cast<std::size_t>(image_.width), is_sparse()};
+  return sum_triangle(rows, sums, image_.channels, !weights_.empty());
 }
 
 Moments Moments::operator+(const Moments& m) const {

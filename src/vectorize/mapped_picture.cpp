@@ -60,6 +60,13 @@ bool has_shorter_segments(const mesh::KnotMesh& mesh, double least) {
   });
 }
 
+features::FeatureChains detected(const Grid& grid, const Options& options, bool drawing) {
+  features::FeatureChains found = features::detect_features(grid.pixels, detect_options(options, drawing));
+  if (grid.scale() > 1) features::mark_stepped(grid.original, found);
+  if (options.max_turning > 0) drop_winding(options.max_turning, found);
+  return found;
+}
+
 class Mapping {
  public:
   /// @param scale of the grid; map_curves() needs no more of it than that.
@@ -77,15 +84,10 @@ class Mapping {
         log_(log),
         mapped_(mapped) {}
 
-  void find() {
+  void begin(features::FeatureChains found) {
+    mapped_.detected = std::move(found);
     if (!options_.features) return;
-    mapped_.detected = features::detect_features(picture_, detect_options(options_, drawing_));
-    if (scale_ > 1) features::mark_stepped(original_, mapped_.detected);
-    if (options_.max_turning > 0) drop_winding(options_.max_turning, mapped_.detected);
     log_.progress.detected = &mapped_.detected;
-    log_.report.chains = mapped_.detected.chains.size();
-    for (const auto& c : mapped_.detected.chains) log_.report.feature_pixels += c.points.size();
-    log_.lap("detect");
     log_.show("features");
   }
 
@@ -264,12 +266,27 @@ class Mapping {
 
 }  // namespace
 
-void map_features(const Grid& grid, const Options& options, std::size_t max_functions, RunLog& log,
+void MappedPicture::forget_pixels() {
+  image_mesh = {};
+  parametrization.position = std::vector<Vec2>();  // {} would keep the memory
+  parametrization.parameter = std::vector<Vec2>();
+}
+
+features::FeatureChains find_features(const Grid& grid, const Options& options, RunLog& log) {
+  if (!options.features) return {};
+  features::FeatureChains found = detected(grid, options, features::is_drawing(grid.original));
+  log.report.chains = found.chains.size();
+  for (const auto& c : found.chains) log.report.feature_pixels += c.points.size();
+  log.lap("detect");
+  return found;
+}
+
+void map_features(const Grid& grid, const features::FeatureChains& found, const Options& options,
+                  std::size_t max_functions, features::KnownCorners& known, RunLog& log,
                   MappedPicture& mapped) {
   const bool drawing = options.features && features::is_drawing(grid.original);
-  features::KnownCorners known;
   Mapping mapping(grid, grid.scale(), drawing, options, max_functions, known, log, mapped);
-  mapping.find();
+  mapping.begin(found);
   mapping.map();
 }
 
@@ -279,7 +296,7 @@ Curves find_curves(const Grid& grid, const Options& options, features::KnownCorn
   log.begin_round("features");
   MappedPicture mapped;
   Mapping mapping(grid, grid.scale(), true, options, 0, known, log, mapped);
-  mapping.find();
+  mapping.begin(options.features ? detected(grid, options, true) : features::FeatureChains{});
   mapping.fair_and_spread();
   return {std::move(mapped.detected), std::move(mapped.faired)};
 }

@@ -25,6 +25,8 @@ struct MappedPicture {
   bool over_share = false;  ///< strong features were dropped, too
 
   bool has_features() const { return !faired.chains.empty(); }
+  /// Lets go of where the pixels lie, once there are Samples: 32 bytes per pixel.
+  void forget_pixels();
 };
 
 /// A picture to find features in, and the one that was given: the same, or it is that one enlarged twofold.
@@ -35,12 +37,16 @@ struct Grid {
   int scale() const { return &pixels == &original ? 1 : 2; }
 };
 
-/// Finds the features of a picture, as many as their share of the control points allows, and straightens
-/// them.
-/// @param options       in pixels of the grid.
+/// All features of a picture. @param options in pixels of the grid, as also for map_features().
+features::FeatureChains find_features(const Grid& grid, const Options& options, RunLog& log);
+
+/// Straightens as many features as their share of the control points allows, and maps the picture.
+/// @param found         find_features(), with the same options but for shares.
 /// @param max_functions control points of the whole model.
+/// @param known         of the same picture, or empty.
 /// @param mapped        made; the log's progress points into it.
-void map_features(const Grid& grid, const Options& options, std::size_t max_functions, RunLog& log,
+void map_features(const Grid& grid, const features::FeatureChains& found, const Options& options,
+                  std::size_t max_functions, features::KnownCorners& known, RunLog& log,
                   MappedPicture& mapped);
 
 /// All features of a drawing, whether there is room for them or not.

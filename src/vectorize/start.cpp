@@ -1,9 +1,11 @@
 #include "vectorize/start.h"
 
 #include <utility>
+#include <vector>
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/features/flat_share.h"
+#include "knotreel/features/known_corners.h"
 #include "vectorize/feature_budget.h"
 #include "vectorize/first_knots.h"
 
@@ -17,50 +19,87 @@ constexpr double kShareWithRoom = 0.6;  // for features then
 constexpr double kUsedByAll = 0.6;
 constexpr double kNoLimit = 2;  // that pixels tell of is up to twice what straight lines need
 
-std::unique_ptr<Start> start_with(const Grid& grid, const Options& options, std::size_t max_functions,
-                                  RunLog& log) {
-  auto start = std::make_unique<Start>();
-  log.report.feature_share = options.feature_share;
-  map_features(grid, options, max_functions, log, start->mapped);
-  log.report.strong_over_budget = start->mapped.over_share;
-  start->target.emplace(make_target(grid.pixels, start->mapped));
-  log.lap("resample");
-  start->mesh.emplace(start->mapped.knots);
-  // Knots go in one after the other, which takes one thread.
-  parallel_invoke([&] { insert_first_knots(*start->target, max_functions, options, *start->mesh); },
-                  [&] { start->samples.emplace(grid.pixels, start->mapped, options.half_rows); });
-  log.lap("place");
-  return start;
-}
+/// With features that may have this share of the control points or that. Two starts are never there at the
+/// same time with all their pixels, of which a fine grid has many.
+class Starts {
+ public:
+  Starts(const Grid& grid, const Options& options, std::size_t max_functions, RunLog& log)
+      : grid_(grid),
+        options_(options),
+        max_functions_(max_functions),
+        log_(log),
+        found_(find_features(grid, options, log)) {}
 
-std::unique_ptr<Start> start_with_share(double share, const Grid& grid, Options options,
-                                        std::size_t max_functions, RunLog& log) {
-  options.feature_share = share;
-  log.report.chains = log.report.feature_pixels = log.report.chains_over_budget = 0;
-  return start_with(grid, options, max_functions, log);
-}
+  /// Nothing but features.
+  std::unique_ptr<Start> mapped(double share) {
+    auto start = std::make_unique<Start>();
+    Options options = options_;
+    options.feature_share = log_.report.feature_share = share;
+    log_.report.chains_over_budget = 0;
+    map_features(grid_, found_, options, max_functions_, known_, log_, start->mapped);
+    log_.report.strong_over_budget = start->mapped.over_share;
+    return start;
+  }
+
+  void place(Start& start) {
+    start.target.emplace(make_target(grid_.pixels, start.mapped));
+    log_.lap("resample");
+    start.mesh.emplace(start.mapped.knots);
+    // Knots go in one after the other, which takes one thread.
+    parallel_invoke([&] { insert_first_knots(*start.target, max_functions_, options_, *start.mesh); },
+                    [&] { start.samples.emplace(grid_.pixels, start.mapped, options_.half_rows); });
+    log_.lap("place");
+  }
+
+  /// Of the control points, about.
+  double used(const Start& start) const {
+    return expected_functions(*start.mesh, options_.degree) / static_cast<double>(max_functions_);
+  }
+
+  /// With all features, if they and the rest then need little; or nothing.
+  std::unique_ptr<Start> whole() {
+    const Report report = log_.report;
+    const Progress progress = log_.progress;
+    std::unique_ptr<Start> start = mapped(kNoLimit);
+    if (!start->mapped.over_share) {
+      place(*start);
+      if (used(*start) <= kUsedByAll) return start;
+    }
+    const std::vector<RoundReport> rounds = std::move(log_.report.rounds);  // with the time that this took
+    log_.report = report;
+    log_.report.rounds = rounds;
+    log_.progress = progress;
+    return nullptr;
+  }
+
+ private:
+  const Grid& grid_;
+  const Options& options_;
+  std::size_t max_functions_;
+  RunLog& log_;
+  features::FeatureChains found_;
+  features::KnownCorners known_;
+};
 
 }  // namespace
 
 std::unique_ptr<Start> make_start(const Grid& grid, const Options& options, std::size_t max_functions,
                                   RunLog& log) {
-  const double most = static_cast<double>(max_functions);
-  const auto used = [&](const Start& start) {
-    return expected_functions(*start.mesh, options.degree) / most;
-  };
-  std::unique_ptr<Start> start = start_with(grid, options, max_functions, log);
-  if (options.feature_share < kShareWithRoom) {
-    if (log.report.chains_over_budget == 0 || used(*start) > kUsed) return start;
-    return start_with_share(kShareWithRoom, grid, options, max_functions, log);
+  Starts starts(grid, options, max_functions, log);
+  const Progress at_first = log.progress;
+  std::unique_ptr<Start> start = starts.mapped(options.feature_share);
+  if (options.feature_share >= kShareWithRoom && start->mapped.over_share &&
+      features::is_drawing(grid.original)) {
+    if (std::unique_ptr<Start> whole = starts.whole()) return whole;
   }
-  if (!start->mapped.over_share || !features::is_drawing(grid.original)) return start;
-  Report report = log.report;
-  const Progress progress = log.progress;
-  std::unique_ptr<Start> whole = start_with_share(kNoLimit, grid, options, max_functions, log);
-  if (!whole->mapped.over_share && used(*whole) <= kUsedByAll) return whole;
-  report.rounds = log.report.rounds;  // with the time that this took
-  log.report = std::move(report);
-  log.progress = progress;
+  starts.place(*start);
+  if (options.feature_share < kShareWithRoom && log.report.chains_over_budget > 0 &&
+      starts.used(*start) <= kUsed) {
+    start.reset();
+    log.progress = at_first;
+    start = starts.mapped(kShareWithRoom);
+    starts.place(*start);
+  }
   return start;
 }
 

@@ -75,6 +75,9 @@ class Run {
     std::unique_ptr<Start> start = make_start(grid, options, max_functions, log_);
     std::optional<Halved> half;
     if (grid.scale() > 1) half.emplace(start->mapped, picture_);
+    start->mapped.forget_pixels();
+    log_.progress.image_mesh = nullptr;
+    log_.progress.parametrization = nullptr;
     improve(*start, half ? &half->samples() : nullptr, options, max_functions);
     draft_.steering.reset();
     log_.begin_round("final");

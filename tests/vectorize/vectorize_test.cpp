@@ -459,8 +459,13 @@ TEST(Vectorize, ReportsAndShowsEveryStage) {
   const Vectorization v = vectorize_picture(picture, options, [&](const Progress& p) {
     stages.push_back(p.stage);
     EXPECT_EQ(p.picture, &picture);
+    if (p.stage == "parametrization") {
+      EXPECT_TRUE(p.detected && p.faired && p.corrected && p.image_mesh && p.parametrization);
+      EXPECT_EQ(p.parametrization->parameter.size(), picture.pixel_count());
+    }
     if (p.stage == "knots") {
-      EXPECT_TRUE(p.detected && p.faired && p.corrected && p.parametrization && p.knot_mesh);
+      EXPECT_TRUE(p.detected && p.faired && p.corrected && p.knot_mesh);
+      EXPECT_FALSE(p.image_mesh || p.parametrization);
     }
     if (p.stage == "final") {
       EXPECT_TRUE(p.model && p.residual);

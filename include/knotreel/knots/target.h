@@ -36,7 +36,7 @@ struct LinearFit {
 /// A picture over the parametric domain with a weight per pixel, ready for sums over triangles: prefix sums
 /// along its rows make the cost of a sum proportional to the height of the triangle, not to its area.
 /// Thread safe but for change_to(). Memory: up to 4 + 2 * channels doubles per pixel besides
-/// the picture; 8 for three channels with weights of 1.
+/// the picture; 8 for three channels with weights of 1; of more than half a megapixel a quarter of that.
 class Target {
  public:
   /// @param weights one per pixel, 0 or more; empty: all 1.
@@ -93,6 +93,7 @@ class Target {
  private:
   struct Cell;
   Cell cell_at(Vec2 u, std::size_t channels) const;
+  bool is_sparse() const;  ///< whether few prefix sums are kept
   void add_up_row(std::size_t y);
   std::size_t pixel(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(x);

@@ -45,6 +45,7 @@ struct Report {
 };
 
 /// What there is to see after a stage; pointers are null before their stage, and valid during the call only.
+/// From the first knots on there are no image mesh and parametrization any more.
 /// On a fine grid (Options::fine_grid) all but the last round is at twice the size, the picture too, and
 /// nothing of it is left in "final".
 struct Progress {
