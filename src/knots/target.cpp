@@ -30,10 +30,8 @@ struct Layout {
   static constexpr std::size_t row_size(std::size_t width) { return (width / Every + 1) * kStride; }
 };
 
-/// For pictures of more pixels, which leave all caches anyway, every fourth is kept: a fine grid of 2560x1440
-/// needs 74 MB then, not 295.
-constexpr std::size_t kManyPixels = std::size_t{1} << 19U;
-constexpr std::size_t kSparse = 4;
+/// Storage::kCompact keeps every fourth.
+constexpr std::size_t kEveryFourth = 4;
 
 /// Draws slopes that few pixels decide towards zero: this many pixels at distance one say that there is none.
 constexpr double kSlopeRidge = 1.0;
@@ -63,7 +61,7 @@ struct Sums {
   const float* weights;
   const double* prefix;
   std::size_t width;
-  bool sparse;
+  bool compact;
 
   template <class Slot>
   [[gnu::always_inline]] Row row(std::size_t y) const {
@@ -189,8 +187,8 @@ template <class Slot>
 
 template <std::size_t C, bool Weighted>
 [[gnu::always_inline]] inline Moments sum_rows(const TriangleRows& rows, const Sums& sums) {
-  return sums.sparse ? sum_rows<Layout<C, Weighted, kSparse>>(rows, sums)
-                     : sum_rows<Layout<C, Weighted, 1>>(rows, sums);
+  return sums.compact ? sum_rows<Layout<C, Weighted, kEveryFourth>>(rows, sums)
+                      : sum_rows<Layout<C, Weighted, 1>>(rows, sums);
 }
 
 template <std::size_t C>
@@ -225,10 +223,10 @@ void add_up(const Row& row, std::size_t width, double* to) {
 
 /// Calls visit(layout), known to the compiler.
 template <class Visit>
-void by_kind(int channels, bool weighted, bool sparse, Visit&& visit) {
+void by_kind(int channels, bool weighted, bool compact, Visit&& visit) {
   const auto with = [&]<std::size_t C>(std::integral_constant<std::size_t, C>) {
-    if (sparse) {
-      weighted ? visit(Layout<C, true, kSparse>()) : visit(Layout<C, false, kSparse>());
+    if (compact) {
+      weighted ? visit(Layout<C, true, kEveryFourth>()) : visit(Layout<C, false, kEveryFourth>());
     } else {
       weighted ? visit(Layout<C, true, 1>()) : visit(Layout<C, false, 1>());
     }
@@ -265,14 +263,14 @@ TriangleRows::TriangleRows(const std::array<Vec2, 3>& triangle, int width, int h
   long_is_left_ = cross(p[2] - p[0], p[1] - p[0]) < 0;
 }
 
-Target::Target(image::Image image, std::vector<float> weights)
-    : image_(std::move(image)), weights_(std::move(weights)) {
+Target::Target(image::Image image, std::vector<float> weights, Storage storage)
+    : image_(std::move(image)), weights_(std::move(weights)), compact_(storage == Storage::kCompact) {
   if (!weights_.empty() && weights_.size() != image_.pixel_count()) {
     throw Error(ErrorKind::kInvalidArgument, "a picture needs one weight per pixel");
   }
   const auto width = static_cast<std::size_t>(image_.width);
   const auto height = static_cast<std::size_t>(image_.height);
-  by_kind(image_.channels, !weights_.empty(), is_sparse(), [&](auto layout) {
+  by_kind(image_.channels, !weights_.empty(), compact_, [&](auto layout) {
     constexpr std::size_t kPerLine = sizeof(Line) / sizeof(double);
     prefix_ =
         std::make_unique_for_overwrite<Line[]>((height * layout.row_size(width) + kPerLine - 1) / kPerLine);
@@ -280,15 +278,11 @@ Target::Target(image::Image image, std::vector<float> weights)
   parallel_for(height, [&](std::size_t y) { add_up_row(y); });
 }
 
-bool Target::is_sparse() const {
-  return image_.pixel_count() > kManyPixels;
-}
-
 void Target::add_up_row(std::size_t y) {
   const auto width = static_cast<std::size_t>(image_.width);
   double* const prefix = prefix_.get()->data();
-  const Sums sums{image_.samples.data(), weights_.data(), prefix, width, is_sparse()};
-  by_kind(image_.channels, !weights_.empty(), is_sparse(), [&]<class Slot>(Slot) {
+  const Sums sums{image_.samples.data(), weights_.data(), prefix, width, compact_};
+  by_kind(image_.channels, !weights_.empty(), compact_, [&]<class Slot>(Slot) {
     add_up<Slot>(sums.row<Slot>(y), width, prefix + y * Slot::row_size(width));
   });
 }
@@ -308,7 +302,7 @@ void Target::change_to(const image::Image& image) {
 Moments Target::moments(const std::array<Vec2, 3>& triangle) const {
   const TriangleRows rows(triangle, image_.width, image_.height);
   const Sums sums{image_.samples.data(), weights_.data(), prefix_.get()->data(),
-                  static_cast<std::size_t>(image_.width), is_sparse()};
+                  static_cast<std::size_t>(image_.width), compact_};
   return sum_triangle(rows, sums, image_.channels, !weights_.empty());
 }
 

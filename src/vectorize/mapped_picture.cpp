@@ -24,6 +24,8 @@ using mesh::EditableMesh;
 // Of the control points, for features with finer polylines.
 constexpr double kShareOfFine = 0.6;
 
+constexpr std::size_t kManyPixels = std::size_t{1} << 22U;
+
 // Pixels of the picture given.
 constexpr double kShortSegment = 3;
 constexpr double kShortestSegment = 0.2;  // that can be told from nothing on grids of knots
@@ -309,12 +311,17 @@ bool map_curves(const image::Image& picture, const Options& options, std::size_t
       .map_curves(curves, vertices);
 }
 
-knots::Target make_target(const image::Image& picture, const MappedPicture& mapped) {
-  if (!mapped.has_features()) return {picture, fit::steering_weights(picture, {})};
+knots::Target make_target(const Grid& grid, const MappedPicture& mapped) {
+  const image::Image& picture = grid.pixels;
+  // Large ones leave all caches anyway: a fine grid of 2560x1440 would need 295 MB, and needs 74.
+  using Storage = knots::Target::Storage;
+  const bool is_large = grid.scale() > 1 || picture.pixel_count() > kManyPixels;
+  const Storage storage = is_large ? Storage::kCompact : Storage::kFast;
+  if (!mapped.has_features()) return {picture, fit::steering_weights(picture, {}), storage};
   auto image =
       param::parametrized_image(mapped.corrected, mapped.faired, mapped.image_mesh, mapped.parametrization);
   std::vector<float> weights = fit::steering_weights(image.colours, std::move(image.weights));
-  return {std::move(image.colours), std::move(weights)};
+  return {std::move(image.colours), std::move(weights), storage};
 }
 
 }  // namespace knotreel::vectorize

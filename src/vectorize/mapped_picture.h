@@ -69,7 +69,7 @@ bool map_curves(const image::Image& picture, const Options& options, std::size_t
                 const Curves& curves, std::span<const Vec2> vertices, features::KnownCorners& known,
                 RunLog& log, MappedPicture& mapped);
 
-/// The picture over the domain, where knots are placed.
-knots::Target make_target(const image::Image& picture, const MappedPicture& mapped);
+/// The picture over the domain, where knots are placed. @param grid as it was mapped.
+knots::Target make_target(const Grid& grid, const MappedPicture& mapped);
 
 }  // namespace knotreel::vectorize

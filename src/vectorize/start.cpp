@@ -42,7 +42,7 @@ class Starts {
   }
 
   void place(Start& start) {
-    start.target.emplace(make_target(grid_.pixels, start.mapped));
+    start.target.emplace(make_target(grid_, start.mapped));
     log_.lap("resample");
     start.mesh.emplace(start.mapped.knots);
     // Knots go in one after the other, which takes one thread.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <memory>
 #include <vector>
 
@@ -36,12 +37,18 @@ struct LinearFit {
 /// A picture over the parametric domain with a weight per pixel, ready for sums over triangles: prefix sums
 /// along its rows make the cost of a sum proportional to the height of the triangle, not to its area.
 /// Thread safe but for change_to(). Memory: up to 4 + 2 * channels doubles per pixel besides
-/// the picture; 8 for three channels with weights of 1; of more than half a megapixel a quarter of that.
+/// the picture; 8 for three channels with weights of 1.
 class Target {
  public:
+  /// The sums are the same, bit for bit.
+  enum class Storage : std::uint8_t {
+    kFast,
+    kCompact,  ///< a quarter of the memory besides the picture, for up to half as much time again
+  };
+
   /// @param weights one per pixel, 0 or more; empty: all 1.
   /// @throws Error{kInvalidArgument} if the sizes disagree.
-  Target(image::Image image, std::vector<float> weights);
+  Target(image::Image image, std::vector<float> weights, Storage storage = Storage::kFast);
 
   /// Makes it the target of another picture with the same weights: as one that is made anew, but rows of
   /// pixels that are equal cost next to nothing. @throws Error{kInvalidArgument} if sizes or channels differ.
@@ -93,7 +100,6 @@ class Target {
  private:
   struct Cell;
   Cell cell_at(Vec2 u, std::size_t channels) const;
-  bool is_sparse() const;  ///< whether few prefix sums are kept
   void add_up_row(std::size_t y);
   std::size_t pixel(int x, int y) const {
     return static_cast<std::size_t>(y) * static_cast<std::size_t>(image_.width) + static_cast<std::size_t>(x);
@@ -101,6 +107,7 @@ class Target {
 
   image::Image image_;
   std::vector<float> weights_;
+  bool compact_;
   /// Numbers that are in one line of the cache if there are no more of them per pixel.
   struct alignas(64) Line : std::array<double, 8> {};
   std::unique_ptr<Line[]> prefix_;  ///< not a vector, which would be zeroed first
