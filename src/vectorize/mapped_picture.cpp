@@ -24,7 +24,7 @@ using mesh::EditableMesh;
 // Of the control points, for features with finer polylines.
 constexpr double kShareOfFine = 0.6;
 
-constexpr std::size_t kManyPixels = std::size_t{1} << 22U;
+constexpr std::size_t kManyPixels = std::size_t{1} << 20U;
 
 // Pixels of the picture given.
 constexpr double kShortSegment = 3;
