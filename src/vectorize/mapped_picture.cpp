@@ -29,6 +29,7 @@ constexpr std::size_t kManyPixels = std::size_t{1} << 20U;
 // Pixels of the picture given.
 constexpr double kShortSegment = 3;
 constexpr double kShortestSegment = 0.2;  // that can be told from nothing on grids of knots
+constexpr double kLeastSpace = 0.25;      // from a point of a curve to the next
 constexpr double kSamePlace = 2;          // from a point to where a vertex was
 
 /// Without noise, which thresholds are there for, faint edges are edges, too.
@@ -95,7 +96,7 @@ class Mapping {
 
   void fair_and_spread() {
     fair();
-    features::space_points(mapped_.faired);
+    features::space_points(mapped_.faired, scale_ * kLeastSpace);
   }
 
   /// Where the pixels are is left open. @return whether the polylines make a sound mesh.

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
+
 #include "features/drawings.h"
 
 namespace knotreel::features {
@@ -72,6 +74,83 @@ TEST(SpacePoints, NoPointIsNextToAnother) {
   EXPECT_GT(least_step(chains.chains[0]), 0.4);
   EXPECT_EQ(chains.chains[0].points[3].on_curve(), (Vec2{5.51, 4.5}));
   EXPECT_EQ(chains.chains[0].points[5].on_curve(), chain.points[5].on_curve());
+}
+
+TEST(SpacePoints, AnEndMayBeTheNextThatIsFarEnough) {
+  Chain chain = row_of_pixels();
+  chain.points[4].move_to({7.01, 4.5});  // both next to each other, and far from the end
+  chain.points[5].move_to({6.93, 4.62});
+  chain.points[6].move_to({9.3, 4.5});
+  FeatureChains chains = with(chain);
+  space_points(chains);
+  EXPECT_GT(least_step(chains.chains[0]), 0.9);
+  EXPECT_EQ(chains.chains[0].points[6].on_curve(), (Vec2{9.3, 4.5}));
+
+  chain = row_of_pixels();
+  chain.points[5].move_to({8.2, 4.5});  // too near the end for both to lie between it and the one before them
+  chain.points[4].move_to({8.15, 4.5});
+  chain.points[6].move_to({8.75, 4.5});
+  chains = with(chain);
+  space_points(chains, 0.5);
+  EXPECT_GT(least_step(chains.chains[0]), 0.5);
+  EXPECT_EQ(chains.chains[0].points[5].on_curve(), (Vec2{8.2, 4.5}));
+}
+
+TEST(SpacePoints, KeepTheDistanceThatIsAskedFor) {
+  Chain chain = row_of_pixels();
+  chain.points[3].move_to({5.5, 4.5});
+  chain.points[4].move_to({5.83, 4.5});
+  for (const double least : {0.25, 0.5, 0.75}) {
+    FeatureChains chains = with(chain);
+    space_points(chains, least);
+    if (least == 0.25) {
+      EXPECT_EQ(chains.chains[0].points[4].on_curve(), chain.points[4].on_curve());
+    } else {
+      EXPECT_GE(least_step(chains.chains[0]), least);
+    }
+  }
+}
+
+TEST(SpacePoints, OfRandomChainsNoneIsNearTheNextUnlessBothStay) {
+  for (std::uint64_t seed = 0; seed < 300; ++seed) {
+    SCOPED_TRACE("seed " + std::to_string(seed));
+    std::mt19937_64 random(seed);
+    std::uniform_real_distribution<double> off(-1, 1);
+    Chain chain = chain_through({{2, 4},
+                                 {3, 4},
+                                 {4, 4},
+                                 {5, 4},
+                                 {6, 4},
+                                 {7, 4},
+                                 {8, 4},
+                                 {9, 4},
+                                 {10, 4},
+                                 {11, 4},
+                                 {12, 4},
+                                 {13, 4},
+                                 {14, 4}},
+                                0, 1);
+    for (ChainPoint& p : chain.points) {
+      p.move_to(p.position + Vec2{off(random), 0.3 * off(random)});
+      p.corner = random() % 6 == 0;
+    }
+    const double least = 0.5;
+    FeatureChains chains = with(chain);
+    space_points(chains, least);
+    const std::vector<ChainPoint>& points = chains.chains[0].points;
+    const auto stays = [&](std::size_t i) { return i == 0 || i + 1 == points.size() || points[i].corner; };
+    for (std::size_t i = 0; i + 1 < points.size(); ++i) {
+      if (stays(i)) {
+        EXPECT_EQ(points[i].on_curve(), chain.points[i].on_curve());
+      }
+      // With one that stays within reach on either side there may be no room.
+      bool has_room = !stays(i) || !stays(i + 1);
+      for (std::size_t j = i < 2 ? 0 : i - 2; j < std::min(points.size(), i + 4); ++j) has_room &= !stays(j);
+      if (has_room) {
+        EXPECT_GE(norm(points[i + 1].on_curve() - points[i].on_curve()), 0.999 * least) << i;
+      }
+    }
+  }
 }
 
 TEST(SpacePoints, ChainsThatAreShortOrClosedAreSound) {

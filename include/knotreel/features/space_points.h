@@ -7,7 +7,8 @@ namespace knotreel::features {
 /// Spreads the points next to corners and ends of chains that lie within half a pixel of these evenly over
 /// the way to the first one farther away. Where several curves meet, the place that fits them all best can be
 /// next to a point of one of them, or behind it, and a polyline would turn back for a hundredth of a pixel.
-/// Likewise those within a quarter of a pixel of any other point of their chain.
-void space_points(FeatureChains& chains);
+/// Likewise those that are nearer than that to any other point of their chain.
+/// @param least pixels from a point to the next, more than 0; corners and ends stay however near they are.
+void space_points(FeatureChains& chains, double least = 0.25);
 
 }  // namespace knotreel::features
