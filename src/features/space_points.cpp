@@ -30,8 +30,12 @@ bool space_from(std::vector<ChainPoint>& points, std::size_t fixed, std::ptrdiff
   for (;; ++first) {
     const std::ptrdiff_t i = index(first);
     if (first >= count || i < 0 || i >= count) return false;
-    if (norm(at(first).on_curve() - from) >= std::max(kCrowded, static_cast<double>(first) * least)) break;
-    if (at(first).corner || (!closed && (i == 0 || i + 1 == count))) return false;
+    ChainPoint& p = at(first);
+    const double distance = norm(p.on_curve() - from);
+    if (distance >= std::max(kCrowded, static_cast<double>(first) * least)) break;
+    if (!closed && (i == 0 || i + 1 == count)) return false;
+    if (distance < kCrowded) p.corner = false;  // it is the same one
+    if (p.corner) return false;
   }
   const Vec2 way = at(first).on_curve() - from;
   for (std::ptrdiff_t k = 1; k < first; ++k)

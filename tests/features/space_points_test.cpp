@@ -96,6 +96,20 @@ TEST(SpacePoints, AnEndMayBeTheNextThatIsFarEnough) {
   EXPECT_EQ(chains.chains[0].points[5].on_curve(), (Vec2{8.2, 4.5}));
 }
 
+TEST(SpacePoints, CornersAtOneSpotAreOne) {
+  Chain chain = row_of_pixels();
+  for (const std::size_t i : {2U, 4U}) chain.points[i].corner = true;
+  chain.points[2].move_to({5.5, 4.5});
+  chain.points[3].move_to({5.5, 4.5});
+  chain.points[4].move_to({5.45, 4.6});
+  FeatureChains chains = with(chain);
+  space_points(chains);
+  EXPECT_GT(least_step(chains.chains[0]), 0.3);
+  EXPECT_EQ(chains.chains[0].points[2].on_curve(), (Vec2{5.5, 4.5}));
+  EXPECT_TRUE(chains.chains[0].points[2].corner);
+  EXPECT_FALSE(chains.chains[0].points[4].corner);
+}
+
 TEST(SpacePoints, KeepTheDistanceThatIsAskedFor) {
   Chain chain = row_of_pixels();
   chain.points[3].move_to({5.5, 4.5});

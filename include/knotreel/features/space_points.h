@@ -7,8 +7,9 @@ namespace knotreel::features {
 /// Spreads the points next to corners and ends of chains that lie within half a pixel of these evenly over
 /// the way to the first one farther away. Where several curves meet, the place that fits them all best can be
 /// next to a point of one of them, or behind it, and a polyline would turn back for a hundredth of a pixel.
-/// Likewise those that are nearer than that to any other point of their chain.
-/// @param least pixels from a point to the next, more than 0; corners and ends stay however near they are.
+/// Likewise those that are nearer than `least` to any other point of their chain, and corners within half a
+/// pixel of another corner, which are none then.
+/// @param least pixels from a point to the next, more than 0; other corners and ends stay.
 void space_points(FeatureChains& chains, double least = 0.25);
 
 }  // namespace knotreel::features
