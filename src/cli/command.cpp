@@ -6,6 +6,11 @@
 #include "knotreel/base/output_file.h"
 
 namespace knotreel::cli {
+namespace {
+
+bool quiet = false;  // set before commands run, and not changed any more
+
+}  // namespace
 
 std::vector<const CLI::App*> shown_commands(const CLI::App& program) {
   return program.get_subcommands([](const CLI::App* command) { return !command->get_group().empty(); });
@@ -28,6 +33,19 @@ void add_threads_option(CLI::App& command, int& threads) {
       ->check(CLI::Range(0, 1024).description(""))
       ->type_name("N")
       ->capture_default_str();
+}
+
+void add_quiet_option(CLI::App& command) {
+  command.add_flag_callback(
+      "-q,--quiet", [] { quiet = true; }, "Tell nothing but warnings and errors");
+}
+
+bool shows_progress() {
+  return !quiet;
+}
+
+void tell_result(const std::string& text) {
+  if (!quiet) write_text("-", text);
 }
 
 void add_background_option(CLI::App& command, std::string& colour) {

@@ -26,6 +26,15 @@ std::vector<const CLI::App*> shown_commands(const CLI::App& program);
 /// Adds `--threads N` to a command; `threads` stays 0 (all cores) if it is not given.
 void add_threads_option(CLI::App& command, int& threads);
 
+/// Adds `-q`, `--quiet`: neither tell_result() nor progress say anything then.
+void add_quiet_option(CLI::App& command);
+
+/// Whether lines of progress on standard error are wanted.
+bool shows_progress();
+
+/// Writes what was made to standard output, if that is wanted.
+void tell_result(const std::string& text);
+
 /// Adds `--background COLOUR`, for parse_background(); `colour` stays empty if it is not given.
 void add_background_option(CLI::App& command, std::string& colour);
 

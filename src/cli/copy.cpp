@@ -116,7 +116,7 @@ void run_copy(const CopyArguments& arguments) {
     summary = pipeline::run_copy(job);
   }
   if (!uses_standard_output(outputs)) {
-    write_text("-", summary_text(arguments, names.size(), summary));
+    tell_result(summary_text(arguments, names.size(), summary));
   }
   if (summary.stopped) throw_stopped(summary.frames);
 }
@@ -161,6 +161,7 @@ void add_copy_command(CLI::App& program) {
           "Frames per second of documents that do not say how long they last, such\nas those of pictures")
       ->type_name("R")
       ->capture_default_str();
+  add_quiet_option(*command);
   command->footer(kCopyFooter);
   command->callback([arguments] { run_copy(*arguments); });
 }

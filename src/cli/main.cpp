@@ -5,6 +5,7 @@
 #include <exception>
 #include <new>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "cli/command.h"
@@ -33,7 +34,7 @@ Examples:
   knotreel copy clip.tcb -o part.tcb --frames 0-99   a part, as it is
   knotreel compare photo.png photo.tcb               how close is it?
   knotreel info photo.tcb                            what is in it?
-'knotreel COMMAND --help' tells more about a command.
+'knotreel help COMMAND' tells more about a command.
 
 Videos: all that libav reads and writes. Pictures: PNG, JPEG, TIFF, WebP, BMP, PBM/PGM/PPM, PAM, PFM.
 '-' is standard input or output.
@@ -56,7 +57,18 @@ std::string unused_argument(const CLI::App& command) {
   return "there is no option '" + name + "'" + cli::suggestion(name, cli::long_names(command));
 }
 
+/// "help" and "help COMMAND" mean "--help" and "COMMAND --help".
+std::vector<std::string> arguments_of(int argc, char** argv) {
+  std::vector<std::string> arguments(argv + std::min(argc, 1), argv + argc);
+  if (!arguments.empty() && arguments.front() == "help") {
+    arguments.erase(arguments.begin());
+    arguments.emplace_back("--help");
+  }
+  return arguments;
+}
+
 void run(int argc, char** argv) {
+  std::vector<std::string> arguments = arguments_of(argc, argv);
   CLI::App program(
       "Turns videos and pictures into smooth vector graphics (TCB-spline surfaces), and those into\n"
       "videos and pictures of any size.",
@@ -78,22 +90,24 @@ void run(int argc, char** argv) {
   cli::add_completion_command(program);
   // CLI11 would only say that a command is missing.
   const auto commands = program.get_subcommands([](const CLI::App*) { return true; });
-  const auto named = [&](const CLI::App* command) { return command->get_name() == argv[1]; };
-  const bool has_command = argc > 1 && argv[1][0] != '-';
+  const std::string name = arguments.empty() ? "" : arguments.front();
+  const auto named = [&](const CLI::App* command) { return command->get_name() == name; };
+  const bool has_command = !arguments.empty() && !name.starts_with('-');
   if (has_command && std::none_of(commands.begin(), commands.end(), named)) {
     std::vector<std::string> names;
     for (const CLI::App* command : cli::shown_commands(program)) names.push_back(command->get_name());
-    throw Error(ErrorKind::kInvalidArgument, "there is no command '" + std::string(argv[1]) + "'" +
-                                                 cli::suggestion(argv[1], names) + " (see knotreel --help)");
+    throw Error(ErrorKind::kInvalidArgument, "there is no command '" + name + "'" +
+                                                 cli::suggestion(name, names) + " (see knotreel --help)");
   }
   try {
-    program.parse(argc, argv);
+    std::reverse(arguments.begin(), arguments.end());  // as CLI11 wants them
+    program.parse(std::move(arguments));
   } catch (const CLI::CallForVersion&) {
     cli::write_text("-", cli::version_text());
   } catch (const CLI::CallForHelp&) {
     cli::write_text("-", program.help());  // of the subcommand, if one was named
   } catch (const CLI::ParseError& e) {
-    const CLI::App* const command = has_command ? program.get_subcommand(argv[1]) : nullptr;
+    const CLI::App* const command = has_command ? program.get_subcommand(name) : nullptr;
     const bool has_extras = command && dynamic_cast<const CLI::ExtrasError*>(&e) != nullptr;
     const std::string message = e.what();
     throw Error(ErrorKind::kInvalidArgument,

@@ -2,12 +2,13 @@
 
 #include <fmt/core.h>
 
+#include "cli/command.h"
 #include "cli/printable.h"
 #include "cli/standard_error.h"
 
 namespace knotreel::cli {
 
-ProgressLine::ProgressLine() : terminal_(standard_error_is_terminal()) {}
+ProgressLine::ProgressLine() : terminal_(shows_progress() && standard_error_is_terminal()) {}
 
 ProgressLine::~ProgressLine() {
   if (terminal_) put_error(kClearLine);

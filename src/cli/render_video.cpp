@@ -88,7 +88,7 @@ void tell(const RenderVideo& arguments, const pipeline::Summary& summary) {
     write_text(arguments.output, summary.digest + "\n");
   } else if (!uses_standard_output(outputs_of(arguments))) {
     const bool nowhere = arguments.format == "null";
-    write_text("-", summary_text(nowhere ? arguments.format : arguments.output, summary));
+    tell_result(summary_text(nowhere ? arguments.format : arguments.output, summary));
   }
 }
 

@@ -30,7 +30,7 @@ void transcode(TranscodeArguments& arguments) {
   if (!run.digest.empty()) {
     write_text(run.digest, summary.digest + "\n");
   } else if (!uses_standard_output(outputs_of(run))) {
-    write_text("-", summary_text(run.video.path, summary));
+    tell_result(summary_text(run.video.path, summary));
   }
   check_stopped(summary);
 }
@@ -95,6 +95,7 @@ void add_transcode_command(CLI::App& program) {
       ->required();
   add_outputs(*command, *arguments);
   add_threads_option(*command, arguments->run.threads);
+  add_quiet_option(*command);
   command->option_defaults()->group("Reading");
   add_video_input_options(*command, arguments->run.reading);
   command->option_defaults()->group("Video");

@@ -157,9 +157,9 @@ void vectorize_picture(const VectorizeArguments& arguments) {
   }
   if (!uses_standard_output(outputs_of(arguments))) {
     const auto& space = *document.model.space;
-    write_text("-", fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}\n",
-                                printable(arguments.output), space.mesh().knots.size(),
-                                space.function_count(), document.bytes.size(), psnr_text(metrics.psnr)));
+    tell_result(fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}\n",
+                            printable(arguments.output), space.mesh().knots.size(), space.function_count(),
+                            document.bytes.size(), psnr_text(metrics.psnr)));
   }
 }
 
@@ -219,6 +219,7 @@ void add_vectorize_command(CLI::App& program) {
                    "of a video, into a folder for each frame")
       ->type_name("DIR");
   add_threads_option(*command, arguments->threads);
+  add_quiet_option(*command);
   add_vectorize_video_options(*command, arguments->video);
   command->footer(kVectorizeFooter);
   command->callback([command, arguments] { vectorize(*command, *arguments); });

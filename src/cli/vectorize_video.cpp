@@ -22,7 +22,7 @@ void vectorize_video(VideoRun run) {
   run.reading.no_copy_streams = true;  // there is no place for them in a document
   const pipeline::Summary summary = run_video(run);
   if (!uses_standard_output(outputs_of(run))) {
-    write_text("-", summary_text(run.document.empty() ? run.split_folder : run.document, summary));
+    tell_result(summary_text(run.document.empty() ? run.split_folder : run.document, summary));
   }
   check_stopped(summary);
 }

@@ -8,6 +8,7 @@
 #include <cmath>
 #include <cstring>
 
+#include "cli/command.h"
 #include "cli/metrics_report.h"
 #include "cli/standard_error.h"
 #include "knotreel/base/error.h"
@@ -50,14 +51,15 @@ Json milliseconds_json(const std::vector<std::pair<std::string, double>>& stages
 
 }  // namespace
 
-VideoLine::VideoLine(std::uint64_t frames) : terminal_(standard_error_is_terminal()), frames_(frames) {}
+VideoLine::VideoLine(std::uint64_t frames)
+    : terminal_(shows_progress() && standard_error_is_terminal()), frames_(frames) {}
 
 VideoLine::~VideoLine() {
   if (terminal_) put_error(kClearLine);
 }
 
 void VideoLine::show(const pipeline::FrameRow& row) {
-  if (row.finished_seconds - shown_ < (terminal_ ? kTerminalPause : kLogPause)) return;
+  if (!shows_progress() || row.finished_seconds - shown_ < (terminal_ ? kTerminalPause : kLogPause)) return;
   shown_ = row.finished_seconds;
   const std::string text = line_text(row, frames_);
   put_error(terminal_ ? kClearLine + text : text + "\n");

@@ -104,6 +104,21 @@ TEST(Cli, SlipsOfTheFingersAreGuessed) {
   EXPECT_EQ(message({std::string(100000, 'x')}).find("mean"), std::string::npos);
 }
 
+TEST(Cli, HelpIsACommandToo) {
+  const auto same = [](const std::vector<std::string>& a, const std::vector<std::string>& b) {
+    const auto said = test::knotreel(a);
+    EXPECT_EQ(said.exit_code, 0);
+    EXPECT_EQ(said.out, test::knotreel(b).out);
+    EXPECT_EQ(said.err, "");
+  };
+  same({"help"}, {"--help"});
+  same({"help", "render"}, {"render", "--help"});
+  const auto unknown = test::knotreel({"help", "rendre"});
+  expect_failure(unknown, 2);
+  EXPECT_EQ(unknown.err,
+            "knotreel: there is no command 'rendre'; did you mean 'render'? (see knotreel --help)\n");
+}
+
 TEST(Cli, ArgumentsTooManyAreNamed) {
   const auto two = test::knotreel({"render", "a.tcb", "b.png"});
   expect_failure(two, 2);

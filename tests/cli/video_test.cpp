@@ -53,6 +53,29 @@ TEST_F(CliVideo, TranscodeKeepsFramesAndTimes) {
   for (std::size_t i = 0; i < times_.size(); ++i) EXPECT_EQ(info["frames"][i]["pts"], times_[i]);
 }
 
+TEST_F(CliVideo, QuietRunsTellNothing) {
+  const std::vector<std::vector<std::string>> runs = {
+      {"transcode", clip_, "-o", path("out.mkv"), "--codec", "ffv1", "--preset", "fast"},
+      {"vectorize", clip_, "-o", document_, "--preset", "fast"},
+      {"render", document_, "-o", path("drawn.mkv"), "--codec", "ffv1"},
+      {"render", document_, "--frame", "1", "-o", path("in/frame.png")},
+      {"copy", document_, "-o", path("part.tcb"), "--frames", "2-4"},
+      {"export", document_, "--frame", "1", "-o", path("frame.svg")},
+      {"vectorize", path("in/frame.png"), "-o", path("frame.tcb"), "--preset", "fast"},
+      {"batch", path("in"), "-o", path("many"), "--preset", "fast"}};
+  std::filesystem::create_directory(path("in"));
+  for (std::vector<std::string> run : runs) {
+    run.emplace_back("-q");
+    const auto result = knotreel(run);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    EXPECT_EQ(result.out, "") << run[0];
+    EXPECT_EQ(result.err, "") << run[0];
+  }
+  // What asks for something is answered, and what fails says so.
+  EXPECT_NE(knotreel({"transcode", clip_, "-q", "-f", "hash", "--preset", "fast"}).out, "");
+  expect_failure(knotreel({"vectorize", path("none.png"), "-q", "-o", path("none.tcb")}), 3);
+}
+
 /// Flat colours: a disc that moves over a box.
 image::Image drawn_picture(int frame) {
   image::Image image = image::make_image(120, 90, 3);

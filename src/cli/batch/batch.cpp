@@ -122,6 +122,7 @@ void add_effort(CLI::App& command, BatchArguments& arguments) {
       ->capture_default_str();
   command.add_flag("-v,--verbose", arguments.verbose, "A line for every picture");
   add_threads_option(command, arguments.threads);
+  add_quiet_option(command);
 }
 
 void add_clips(CLI::App& command, BatchArguments& arguments) {

@@ -29,7 +29,7 @@ std::string line_of(const Entry& entry) {
 }  // namespace
 
 Progress::Progress(std::size_t total, Telling telling)
-    : telling_(telling), terminal_(standard_error_is_terminal()) {
+    : telling_(telling), terminal_(shows_progress() && standard_error_is_terminal()) {
   counts_.total = total;
 }
 
@@ -44,7 +44,7 @@ void Progress::add(const Entry& entry) {
   if (entry.status == "failed") {
     put_error_line(entry.error);
   } else if (telling_ == Telling::kItems) {
-    write_text("-", printable(line_of(entry)) + "\n");
+    tell_result(printable(line_of(entry)) + "\n");
   }
   show();
 }
@@ -57,8 +57,8 @@ void Progress::tick() {
 void Progress::finish() {
   clear();
   if (telling_ == Telling::kNothing) return;
-  write_text("-", fmt::format("{} items: {} done, {} failed, {} skipped in {:.1f} s\n", counts_.total,
-                              counts_.done, counts_.failed, counts_.skipped, seconds()));
+  tell_result(fmt::format("{} items: {} done, {} failed, {} skipped in {:.1f} s\n", counts_.total,
+                          counts_.done, counts_.failed, counts_.skipped, seconds()));
 }
 
 void Progress::clear() {
