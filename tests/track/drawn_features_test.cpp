@@ -5,10 +5,13 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
+#include <random>
 #include <span>
+#include <string>
 
 #include "knotreel/fit/geometry_fit.h"
 #include "knotreel/spline/space.h"
+#include "knots/disc_walk.h"
 #include "support/drawn_scene.h"
 
 namespace knotreel::track {
@@ -109,6 +112,47 @@ TEST(DrawnFeatures, ThinStrokesHaveBothSidesOnTheFineGrid) {
   };
   EXPECT_GT(length(Drawing::kFineGrid), 2 * kStrokes - 0.5);
   EXPECT_LT(length(Drawing::kPlain), 2 * kStrokes - 1.5);
+}
+
+/// Ten strokes with round ends anywhere in 160x120, three pixels wide, antialiased.
+image::Image strokes(std::uint64_t seed, double ground, double ink) {
+  std::mt19937_64 random(seed);
+  std::uniform_real_distribution<double> x(12, 148), y(12, 108);
+  std::vector<std::pair<Vec2, Vec2>> lines(10);
+  for (auto& [a, b] : lines) {
+    a = {x(random), y(random)};
+    b = {x(random), y(random)};
+  }
+  image::Image picture = image::make_image(160, 120, 3);
+  for (int j = 0; j < picture.height; ++j) {
+    for (int i = 0; i < picture.width; ++i) {
+      double least = 1e9;
+      for (const auto& [a, b] : lines)
+        least = std::min(least, knots::distance_to_segment({i + 0.5, j + 0.5}, a, b));
+      const double cover = std::clamp(2 - least, 0.0, 1.0);
+      for (int c = 0; c < 3; ++c)
+        picture.at(i, j, c) = static_cast<float>((1 - cover) * ground + cover * (ink + 20 * c));
+    }
+  }
+  return picture;
+}
+
+/// Else each of them would be a frame that is made from its picture alone.
+TEST(DrawnFeatures, MakeSoundMeshesWhereDrawingsFadeIntoEachOther) {
+  for (std::uint64_t seed = 0; seed < 12; ++seed) {
+    const image::Image from = strokes(2 * seed, 245, 30);
+    const image::Image to = strokes(2 * seed + 1, 60, 200);
+    for (const double share : {0.25, 0.4, 0.5, 0.6, 0.75}) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", share " + std::to_string(share));
+      image::Image picture = from;
+      for (std::size_t i = 0; i < picture.samples.size(); ++i) {
+        const auto t = static_cast<float>(share);
+        picture.samples[i] = std::round((1 - t) * from.samples[i] + t * to.samples[i]);
+      }
+      for (const Drawing how : {Drawing::kPlain, Drawing::kFineGrid})
+        EXPECT_TRUE(features_of(picture, 10000, {}, kAll, how).is_sound());
+    }
+  }
 }
 
 /// A bound at which features just about have to go: what is there stays, and what is not stays away.
