@@ -363,6 +363,13 @@ TEST(Vectorize, LineArtKeepsAllItsLinesIfTheyFit) {
   EXPECT_EQ(some.report.chains, all.report.chains);
   EXPECT_LE(some.model.space->function_count(), options.max_control_points);
   EXPECT_GT(psnr(picture, some.model), psnr(picture, all.model) - 1);
+  // Far too few: the report is of what is kept, not of what was tried.
+  options.max_control_points = needed / 3;
+  const Vectorization few = vectorize_picture(picture, options);
+  EXPECT_GT(few.report.chains_over_budget, 0U);
+  EXPECT_EQ(few.report.chains, all.report.chains);
+  EXPECT_LE(few.report.feature_share, 1);
+  EXPECT_TRUE(few.report.strong_over_budget);
 }
 
 image::Image noise_picture(int width, int height) {
