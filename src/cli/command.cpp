@@ -40,8 +40,12 @@ void add_quiet_option(CLI::App& command) {
       "-q,--quiet", [] { quiet = true; }, "Tell nothing but warnings and errors");
 }
 
-bool shows_progress() {
-  return !quiet;
+bool is_quiet() {
+  return quiet;
+}
+
+bool shows_live_line() {
+  return !quiet && standard_error_is_terminal();
 }
 
 void tell_result(const std::string& text) {

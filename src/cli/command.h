@@ -29,8 +29,10 @@ void add_threads_option(CLI::App& command, int& threads);
 /// Adds `-q`, `--quiet`: neither tell_result() nor progress say anything then.
 void add_quiet_option(CLI::App& command);
 
-/// Whether lines of progress on standard error are wanted.
-bool shows_progress();
+bool is_quiet();
+
+/// Whether there is a terminal for a live line of progress, and one is wanted.
+bool shows_live_line();
 
 /// Writes what was made to standard output, if that is wanted.
 void tell_result(const std::string& text);

@@ -12,9 +12,8 @@ std::string names_of_options(const CLI::App& command) {
 }
 
 std::string names_of_commands(const CLI::App& program) {
-  std::string names;
-  for (const CLI::App* command : shown_commands(program))
-    names += (names.empty() ? "" : " ") + command->get_name();
+  std::string names = "help";
+  for (const CLI::App* command : shown_commands(program)) names += " " + command->get_name();
   return names;
 }
 

@@ -96,6 +96,7 @@ void run(int argc, char** argv) {
   if (has_command && std::none_of(commands.begin(), commands.end(), named)) {
     std::vector<std::string> names;
     for (const CLI::App* command : cli::shown_commands(program)) names.push_back(command->get_name());
+    names.emplace_back("help");
     throw Error(ErrorKind::kInvalidArgument, "there is no command '" + name + "'" +
                                                  cli::suggestion(name, names) + " (see knotreel --help)");
   }

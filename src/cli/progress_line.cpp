@@ -8,7 +8,7 @@
 
 namespace knotreel::cli {
 
-ProgressLine::ProgressLine() : terminal_(shows_progress() && standard_error_is_terminal()) {}
+ProgressLine::ProgressLine() : terminal_(shows_live_line()) {}
 
 ProgressLine::~ProgressLine() {
   if (terminal_) put_error(kClearLine);

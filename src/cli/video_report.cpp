@@ -51,15 +51,14 @@ Json milliseconds_json(const std::vector<std::pair<std::string, double>>& stages
 
 }  // namespace
 
-VideoLine::VideoLine(std::uint64_t frames)
-    : terminal_(shows_progress() && standard_error_is_terminal()), frames_(frames) {}
+VideoLine::VideoLine(std::uint64_t frames) : terminal_(shows_live_line()), frames_(frames) {}
 
 VideoLine::~VideoLine() {
   if (terminal_) put_error(kClearLine);
 }
 
 void VideoLine::show(const pipeline::FrameRow& row) {
-  if (!shows_progress() || row.finished_seconds - shown_ < (terminal_ ? kTerminalPause : kLogPause)) return;
+  if (is_quiet() || row.finished_seconds - shown_ < (terminal_ ? kTerminalPause : kLogPause)) return;
   shown_ = row.finished_seconds;
   const std::string text = line_text(row, frames_);
   put_error(terminal_ ? kClearLine + text : text + "\n");

@@ -1,7 +1,6 @@
 #include "vectorize/start.h"
 
 #include <utility>
-#include <vector>
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/features/flat_share.h"
@@ -58,16 +57,15 @@ class Starts {
 
   /// With all features, if they and the rest then need little; or nothing.
   std::unique_ptr<Start> whole() {
-    const Report report = log_.report;
+    Report report = log_.report;
     const Progress progress = log_.progress;
     std::unique_ptr<Start> start = mapped(kNoLimit);
     if (!start->mapped.over_share) {
       place(*start);
       if (used(*start) <= kUsedByAll) return start;
     }
-    const std::vector<RoundReport> rounds = std::move(log_.report.rounds);  // with the time that this took
-    log_.report = report;
-    log_.report.rounds = rounds;
+    report.rounds = std::move(log_.report.rounds);  // with the time that this took
+    log_.report = std::move(report);
     log_.progress = progress;
     return nullptr;
   }

@@ -28,8 +28,7 @@ std::string line_of(const Entry& entry) {
 
 }  // namespace
 
-Progress::Progress(std::size_t total, Telling telling)
-    : telling_(telling), terminal_(shows_progress() && standard_error_is_terminal()) {
+Progress::Progress(std::size_t total, Telling telling) : telling_(telling), terminal_(shows_live_line()) {
   counts_.total = total;
 }
 
