@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "knotreel/base/error.h"
+#include "knotreel/document/stored_mesh.h"
 
 namespace knotreel::document {
 namespace {
@@ -73,8 +74,8 @@ KnotGrid quantise_knots(CanonicalMesh& numbering, int least_bits) {
     before = mesh.knots;
     bits = least_bits - 1;
   }
-  throw Error(ErrorKind::kInvalidArgument, "cannot store a frame: on the finest grid, 2^-" +
-                                               std::to_string(kMaxKnotBits) + " px, " + *defect);
+  throw FlatFace("cannot store a frame: on the finest grid, 2^-" + std::to_string(kMaxKnotBits) + " px, " +
+                 *defect);
 }
 
 std::int64_t quantise(double value, double step, const char* what) {

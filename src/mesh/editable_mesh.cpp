@@ -17,6 +17,15 @@ namespace {
 // a line but for rounding, must not become a face.
 constexpr double kLeastArea = 1e-4;
 
+// And this height, in pixels: flatter ones may be turned over where knots are rounded to the finest grid of
+// documents, 2^-14 pixels, twice as coarse on a picture enlarged twofold.
+constexpr double kLeastHeight = 2.5e-4;
+
+bool is_flat(Vec2 a, Vec2 b, Vec2 c) {
+  const double area = signed_area(a, b, c);
+  return area <= kLeastArea || 2 * area <= kLeastHeight * std::max({norm(b - a), norm(c - b), norm(a - c)});
+}
+
 constexpr std::size_t next(std::size_t i) {
   return i == 2 ? 0 : i + 1;
 }
@@ -236,7 +245,7 @@ bool EditableMesh::can_flip(Edge e) const {
   const Vec2 a = position(faces_[e.face][next(i)]);
   const Vec2 b = position(faces_[e.face][previous(i)]);
   const Vec2 q = position(faces_[m.face][static_cast<std::size_t>(m.side)]);
-  return signed_area(p, a, q) > kLeastArea && signed_area(p, q, b) > kLeastArea;
+  return !is_flat(p, a, q) && !is_flat(p, q, b);
 }
 
 EditableMesh::Edge EditableMesh::flip(Edge e) {

@@ -15,10 +15,29 @@ struct CellBox {
   int x0, y0, x1, y1;
 };
 
-CellBox cells_of(const Piece& p, Vec2 origin) {
+/// Of pieces that are nearer than the slack some share a cell: to have it on one side of each is enough.
+CellBox cells_of(const Piece& p, Vec2 origin, double slack) {
   const auto cell = [](double v, double o) { return static_cast<int>(std::floor((v - o) / kCell)); };
   return {cell(std::min(p.a.x, p.b.x), origin.x), cell(std::min(p.a.y, p.b.y), origin.y),
-          cell(std::max(p.a.x, p.b.x), origin.x), cell(std::max(p.a.y, p.b.y), origin.y)};
+          cell(std::max(p.a.x, p.b.x) + slack, origin.x), cell(std::max(p.a.y, p.b.y) + slack, origin.y)};
+}
+
+bool is_near(Vec2 p, Vec2 a, Vec2 b, double slack) {
+  const Vec2 d = b - a;
+  const double t = std::clamp(dot(p - a, d) / dot(d, d), 0.0, 1.0);
+  return norm(p - a - t * d) <= slack;
+}
+
+bool nearly_meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d, double slack) {
+  if (std::max(a.x, b.x) + slack < std::min(c.x, d.x) || std::max(c.x, d.x) + slack < std::min(a.x, b.x) ||
+      std::max(a.y, b.y) + slack < std::min(c.y, d.y) || std::max(c.y, d.y) + slack < std::min(a.y, b.y))
+    return false;
+  return is_near(a, c, d, slack) || is_near(b, c, d, slack) || is_near(c, a, b, slack) ||
+         is_near(d, a, b, slack);
+}
+
+bool nearly_overlap(Vec2 common, Vec2 b, Vec2 c, double slack) {
+  return dot(b - common, c - common) > 0 && (is_near(b, common, c, slack) || is_near(c, common, b, slack));
 }
 
 bool in_contact(const Piece& p, const Piece& q) {
@@ -34,9 +53,18 @@ bool in_contact(const Piece& p, const Piece& q) {
   return segments_meet(p.a, p.b, q.a, q.b);
 }
 
+bool nearly_in_contact(const Piece& p, const Piece& q, double slack) {
+  if (p.from == q.from) return nearly_overlap(p.a, p.b, q.b, slack);
+  if (p.from == q.to) return nearly_overlap(p.a, p.b, q.a, slack);
+  if (p.to == q.from) return nearly_overlap(p.b, p.a, q.b, slack);
+  if (p.to == q.to) return nearly_overlap(p.b, p.a, q.a, slack);
+  return nearly_meet(p.a, p.b, q.a, q.b, slack);
+}
+
 }  // namespace
 
-std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contacts(const std::vector<Piece>& pieces) {
+std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contacts(const std::vector<Piece>& pieces,
+                                                                   double slack) {
   std::vector<std::pair<std::uint32_t, std::uint32_t>> contacts;
   if (pieces.empty()) return contacts;
   Vec2 low = pieces[0].a;
@@ -47,8 +75,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contacts(const std::ve
       high = {std::max(high.x, v.x), std::max(high.y, v.y)};
     }
   }
-  const int columns = static_cast<int>((high.x - low.x) / kCell) + 1;
-  const int rows = static_cast<int>((high.y - low.y) / kCell) + 1;
+  const int columns = static_cast<int>((high.x + slack - low.x) / kCell) + 1;
+  const int rows = static_cast<int>((high.y + slack - low.y) / kCell) + 1;
   const auto cell_count = static_cast<std::size_t>(columns) * static_cast<std::size_t>(rows);
   const auto for_cells = [&](const CellBox& b, const auto& body) {
     for (int y = b.y0; y <= b.y1; ++y) {
@@ -62,7 +90,7 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contacts(const std::ve
   std::vector<CellBox> boxes(pieces.size());
   std::vector<std::uint32_t> start(cell_count + 1, 0);
   for (std::size_t i = 0; i < pieces.size(); ++i) {
-    boxes[i] = cells_of(pieces[i], low);
+    boxes[i] = cells_of(pieces[i], low, slack);
     for_cells(boxes[i], [&](int, int, std::size_t cell) { ++start[cell + 1]; });
   }
   for (std::size_t c = 0; c < cell_count; ++c) start[c + 1] += start[c];
@@ -75,7 +103,8 @@ std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contacts(const std::ve
         const std::uint32_t j = members[m];
         // Two pieces may share several cells: they are compared in the first one only.
         if (x != std::max(boxes[i].x0, boxes[j].x0) || y != std::max(boxes[i].y0, boxes[j].y0)) continue;
-        if (in_contact(pieces[j], pieces[i])) contacts.emplace_back(j, i);
+        if (in_contact(pieces[j], pieces[i]) || (slack > 0 && nearly_in_contact(pieces[j], pieces[i], slack)))
+          contacts.emplace_back(j, i);
       }
       members[next[cell]++] = i;
     });

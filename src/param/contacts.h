@@ -18,6 +18,9 @@ struct Piece {
 
 /// All pairs of pieces that cross, touch or overlap but at a common end, by index, each once and in a fixed
 /// order. Rounding may add pairs that nearly touch, and loses none. About O(n) for short pieces.
-std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contacts(const std::vector<Piece>& pieces);
+/// @param slack pieces as near as that touch, too; those with a common end where the other end of one of them
+///              is as near to the other piece.
+std::vector<std::pair<std::uint32_t, std::uint32_t>> find_contacts(const std::vector<Piece>& pieces,
+                                                                   double slack = 0);
 
 }  // namespace knotreel::param

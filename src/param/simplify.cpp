@@ -12,6 +12,12 @@
 namespace knotreel::param {
 namespace {
 
+// Pixels. Segments that are so near to each other are split where they can be, and one of those has to go
+// that are so near that no grid of documents, 2^-14 pixels at most, may keep the face in between from turning
+// over.
+constexpr double kNear = 2.5e-3;
+constexpr double kTouching = 2.5e-4;
+
 /// Bulges that polyline_bulge does not forbid, in pixels.
 constexpr double kHarmlessBulge = 1;
 
@@ -192,20 +198,22 @@ int make_planar(Curves& curves, const ParametrizeOptions& options) {
         pieces.push_back({a, b, curves.sites[a].position, curves.sites[b].position});
       }
     }
-    const auto contacts = find_contacts(pieces);
-    if (contacts.empty()) return dropped;
+    const auto near = find_contacts(pieces, kNear);
+    if (near.empty()) return dropped;
     bool changed = false;
-    for (const auto& [p, q] : contacts) {
+    for (const auto& [p, q] : near) {
       for (const std::uint32_t i : {p, q}) {
         changed = split(curves, curves.curves[segments[i].curve], segments[i].span) || changed;
       }
     }
     if (changed) {
       simplify(curves, options);
-    } else {
-      drop(curves, segments[contacts.front().second].curve);
-      ++dropped;
+      continue;
     }
+    const auto contacts = find_contacts(pieces, kTouching);
+    if (contacts.empty()) return dropped;
+    drop(curves, segments[contacts.front().second].curve);
+    ++dropped;
   }
 }
 

@@ -20,8 +20,8 @@ void mark_preferred(Curves& curves, const ParametrizeOptions& options);
 void simplify(Curves& curves, const ParametrizeOptions& options);
 
 /// Finds the last contacts that simplify() leaves, such as two curves between the same nodes that share a
-/// chord, and splits the segments concerned.
-/// @return curves dropped because they touch another with all their sites as vertices.
+/// chord, and splits the segments concerned, and those that nearly touch, as far as they have sites for that.
+/// @return curves dropped because they touch another, or all but touch it, with all their sites as vertices.
 int make_planar(Curves& curves, const ParametrizeOptions& options);
 
 /// Splits the segments on which sites lie, each once. @return whether there was any with a site inside.

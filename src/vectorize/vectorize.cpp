@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "knotreel/base/error.h"
+#include "knotreel/document/stored_mesh.h"
 #include "knotreel/image/enlarge.h"
 #include "knotreel/image/hidden_colours.h"
 #include "vectorize/check_options.h"
@@ -138,14 +139,30 @@ class Run {
   document::FrameModel model_;
 };
 
+/// Where features meet at next to no angle, faces can come out too flat to be stored (seen in one of some
+/// hundred frames of charts, before their polylines kept apart): the picture is made without any then.
+Vectorization run_or_drop_features(const image::Image& picture, const Options& options,
+                                   const Observer& observer) {
+  try {
+    return Run(picture, options, observer).run();
+  } catch (const document::FlatFace&) {
+    if (!options.features) throw;
+  }
+  Options without = options;
+  without.features = false;
+  Vectorization made = Run(picture, without, observer).run();
+  made.report.features_dropped = true;
+  return made;
+}
+
 }  // namespace
 
 Vectorization vectorize_picture(const image::Image& picture, const Options& options,
                                 const Observer& observer) {
   check_picture(picture);
   check_options(options);
-  if (!picture.has_alpha()) return Run(picture, options, observer).run();
-  return Run(image::extend_seen_colours(picture), options, observer).run();
+  if (!picture.has_alpha()) return run_or_drop_features(picture, options, observer);
+  return run_or_drop_features(image::extend_seen_colours(picture), options, observer);
 }
 
 }  // namespace knotreel::vectorize

@@ -120,6 +120,33 @@ TEST(EditableMesh, EdgesMayFlipExactlyInConvexQuadrilateralsOffTheFeatures) {
   }
 }
 
+/// Else rounding could turn it over on any grid, and the frame could not be stored.
+TEST(EditableMesh, NoFlipMakesAFaceOfThreeKnotsThatAreNearlyOnALine) {
+  for (const double length : {6.0, 60.0, 600.0}) {
+    for (const double height : {1e-5, 1e-4, 1e-2, 1.0}) {
+      SCOPED_TRACE(std::to_string(length) + " long, " + std::to_string(height) + " high");
+      MeshBuilder b(2 * length, 2 * length);
+      b.free(0.5 * length, length);
+      b.free(1.5 * length, length);
+      const KnotIndex top = b.free(length, 0.7 * length);
+      const KnotIndex middle = b.free(length, length + height);
+      const EditableMesh mesh(b.triangulated());
+      int found = 0;
+      for (FaceIndex f = 0; f < mesh.face_slots(); ++f) {
+        for (int i = 0; i < 3; ++i) {
+          const Face face = mesh.face(f);
+          const auto at = static_cast<std::size_t>(i);
+          const std::set<KnotIndex> ends{face[(at + 1) % 3], face[(at + 2) % 3]};
+          if (ends != std::set<KnotIndex>{top, middle}) continue;
+          ++found;
+          EXPECT_EQ(mesh.can_flip({f, i}), height >= 1e-2);
+        }
+      }
+      EXPECT_EQ(found, 2);
+    }
+  }
+}
+
 TEST(EditableMesh, InsertingInAFaceAndRemovingRestoresTheMesh) {
   for (const MeshCase& c : edit_cases()) {
     SCOPED_TRACE(c.to_text());

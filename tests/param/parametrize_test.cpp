@@ -7,6 +7,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/param/parametrization.h"
+#include "knots/disc_walk.h"
 #include "param/laws.h"
 #include "support/chains.h"
 
@@ -247,6 +248,44 @@ TEST(Parametrize, ChordsBetweenTheSameNodesDoNotCoincide) {
   const Parametrization p = run_sound(chains, &report);
   EXPECT_GE(p.vertices.size(), 3U);
   EXPECT_EQ(report.folds_found, 0);
+}
+
+double least_distance(const Parametrization& p) {
+  double least = 1e9;
+  const auto each = [&](auto&& visit) {
+    for (const Polyline& line : p.polylines) {
+      for (std::size_t i = 0; i + 1 < line.vertices.size(); ++i)
+        visit(line.vertices[i], line.vertices[i + 1]);
+    }
+  };
+  each([&](std::uint32_t a, std::uint32_t b) {
+    each([&](std::uint32_t c, std::uint32_t d) {
+      if (c != a && c != b)
+        least = std::min(least, knots::distance_to_segment(p.vertices[c].position, p.vertices[a].position,
+                                                           p.vertices[b].position));
+      if (d != a && d != b)
+        least = std::min(least, knots::distance_to_segment(p.vertices[d].position, p.vertices[a].position,
+                                                           p.vertices[b].position));
+    });
+  });
+  return least;
+}
+
+/// One curve that ends on another but for an ulp, where both have a common node: the face in between could
+/// not be stored.
+TEST(Parametrize, NoPolylineEndsOnAnotherButForRounding) {
+  for (const double off : {0.0, 6e-15, 1e-9, 1e-4}) {
+    SCOPED_TRACE(off);
+    ChainBuilder b(80, 60);
+    ASSERT_TRUE(b.add_star({40.5, 30.5}, {{{40.5, 30.5}, {20.5, 30.5}}, {{40.5, 30.5}, {40.5, 33.5}}}));
+    ASSERT_EQ(b.chains.chains.size(), 2U);
+    features::Chain& down = b.chains.chains[1];
+    for (features::ChainPoint& p : b.chains.chains[0].points) p.position.y = 31.5;  // as far as it may
+    down.points[1].position = {39.9, 31.5 + off};
+    down.points[1].corner = true;
+    for (features::ChainPoint& p : down.points) p.position.x = p.y == 30 ? p.position.x : 39.9;
+    EXPECT_GT(least_distance(first_polylines(b.chains, {})), 2e-4);
+  }
 }
 
 TEST(Parametrize, FairedPositionsThatCrossFallBackToThePixels) {

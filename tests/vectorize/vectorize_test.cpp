@@ -1,4 +1,5 @@
 #include "knotreel/vectorize/vectorize.h"
+#include "knotreel/document/stored_mesh.h"
 
 #include <gtest/gtest.h>
 
@@ -584,6 +585,21 @@ TEST(VideoOptions, DrawnFramesHaveWhatPicturesHaveButForNoiseAndWeakFeatures) {
   EXPECT_EQ(drawn.drawn_threshold, picture.drawn_threshold);
   EXPECT_GT(drawn.noisy_smoothing, drawn.fine_smoothing) << "codecs leave faint traces";
   EXPECT_EQ(drawn.drawn_weak_share, picture.feature_share) << "whether a feature is weak changes";
+}
+
+TEST(Vectorize, FeaturesThatCannotBeStoredAreGivenUp) {
+  const image::Image picture = still_life(60, 45);
+  int finals = 0;
+  const Vectorization v = vectorize_picture(picture, {}, [&](const Progress& progress) {
+    if (progress.stage == "final" && ++finals == 1)
+      throw document::FlatFace("cannot store a frame: for a test");
+  });
+  EXPECT_EQ(finals, 2);
+  EXPECT_TRUE(v.report.features_dropped);
+  EXPECT_TRUE(v.model.space->mesh().segments.empty());
+  EXPECT_GT(psnr(picture, v.model), 20);
+  const auto always = [](const Progress&) { throw document::FlatFace("cannot store a frame: for a test"); };
+  EXPECT_THROW(vectorize_picture(picture, {}, always), document::FlatFace);
 }
 
 TEST(Vectorize, StopsWhenTheObserverThrows) {

@@ -40,7 +40,7 @@ struct Report {
   int folds_left = 0;              ///< of the parametrization
   std::size_t geometry_folds = 0;  ///< samples beside features where the surface still folds over
   bool fine_grid = false;          ///< as Options::fine_grid; chains and pixels are of that grid then
-  bool features_dropped = false;   ///< their polylines made no sound knot mesh
+  bool features_dropped = false;   ///< their polylines made no sound knot mesh, or none that can be stored
   std::vector<RoundReport> rounds;
 };
 
