@@ -56,11 +56,19 @@ double weak_share(const Options& options, bool drawing) {
   return drawing ? std::max(options.weak_share, options.drawn_weak_share) : options.weak_share;
 }
 
-/// Where chains turn back by next to nothing, there may be some that only the map would undo.
-bool has_shorter_segments(const mesh::KnotMesh& mesh, double least) {
-  return std::any_of(mesh.segments.begin(), mesh.segments.end(), [&](const mesh::FeatureSegment& s) {
-    return norm(mesh.knots[s.knots.back()].position - mesh.knots[s.knots.front()].position) < least;
-  });
+/// By chain, whether its polyline has a segment that is shorter. Where chains turn back by next to nothing,
+/// there may be some that only the map would undo.
+std::vector<bool> with_shorter_segments(const param::Parametrization& p, std::size_t chains, double least) {
+  std::vector<bool> short_ones(chains, false);
+  for (const param::Polyline& line : p.polylines) {
+    const std::size_t n = line.vertices.size();
+    for (std::size_t i = 0; i + 1 < n + (line.closed ? 1 : 0); ++i) {
+      const Vec2 from = p.vertices[line.vertices[i]].position;
+      const Vec2 to = p.vertices[line.vertices[(i + 1) % n]].position;
+      if (norm(to - from) < least) short_ones[line.chain] = true;
+    }
+  }
+  return short_ones;
 }
 
 features::FeatureChains detected(const Grid& grid, const Options& options, bool drawing) {
@@ -184,7 +192,16 @@ class Mapping {
     return expected_functions(EditableMesh(mapped_.knots), options_.degree);
   }
 
+  /// Without the few chains that would have too short segments. @return whether there is a sound mesh.
   bool find_polylines() {
+    do {
+      if (!make_polylines()) return false;
+    } while (drop_short_ones());
+    return true;
+  }
+
+  /// @return whether they make a sound mesh, if no segment is too short.
+  bool make_polylines() {
     mapped_.parametrization = {};
     if (mapped_.has_features())
       mapped_.parametrization = param::first_polylines(mapped_.faired, parametrize_);
@@ -198,7 +215,23 @@ class Mapping {
       return false;
     }
     log_.lap("polylines");
-    return !has_shorter_segments(mapped_.knots, scale_ * kShortestSegment);
+    return true;
+  }
+
+  /// One frame without a letter's dot is better than one that is made anew. @return whether any had to go.
+  bool drop_short_ones() {
+    std::vector<features::Chain>& chains = mapped_.faired.chains;
+    const std::vector<bool> short_ones =
+        with_shorter_segments(mapped_.parametrization, chains.size(), scale_ * kShortestSegment);
+    const std::size_t before = chains.size();
+    std::size_t kept = 0;
+    for (std::size_t c = 0; c < before; ++c) {
+      if (short_ones[c]) continue;
+      if (kept != c) chains[kept] = std::move(chains[c]);
+      ++kept;
+    }
+    chains.resize(kept);
+    return kept < before;
   }
 
   /// Goes back from the finer polylines of drawings if features would then use up too much.

@@ -125,6 +125,27 @@ TEST(SpacePoints, KeepTheDistanceThatIsAskedFor) {
   }
 }
 
+/// Vertices of polylines are at the positions, which stay near their pixels where the curve is further away.
+TEST(SpacePoints, PositionsKeepTheDistance) {
+  Chain chain = row_of_pixels();
+  chain.points[6].corner = true;
+  chain.points[6].move_to({8.5, 6.84});  // a sharp tip: its position is at 5.5
+  chain.points[5].move_to({8.4, 5.4});
+  EXPECT_LT(norm(chain.points[6].position - chain.points[5].position), 0.2);
+  EXPECT_GT(norm(chain.points[6].on_curve() - chain.points[5].on_curve()), 1);
+  FeatureChains chains = with(chain);
+  space_points(chains, 0.5);
+  const std::vector<ChainPoint>& points = chains.chains[0].points;
+  EXPECT_EQ(points[6].on_curve(), chain.points[6].on_curve());
+  EXPECT_EQ(points[6].position, chain.points[6].position);
+  EXPECT_NEAR(points[5].position.y, 0.5 * (points[4].position.y + points[6].position.y), 1e-9);
+  EXPECT_NEAR(points[5].on_curve().y, 0.5 * (points[4].on_curve().y + points[6].on_curve().y), 1e-9);
+  for (std::size_t i = 1; i < points.size(); ++i) {
+    EXPECT_GE(norm(points[i].position - points[i - 1].position), 0.5) << i;
+    EXPECT_GE(norm(points[i].on_curve() - points[i - 1].on_curve()), 0.5) << i;
+  }
+}
+
 TEST(SpacePoints, OfRandomChainsNoneIsNearTheNextUnlessBothStay) {
   for (std::uint64_t seed = 0; seed < 300; ++seed) {
     SCOPED_TRACE("seed " + std::to_string(seed));
@@ -162,6 +183,7 @@ TEST(SpacePoints, OfRandomChainsNoneIsNearTheNextUnlessBothStay) {
       for (std::size_t j = i < 2 ? 0 : i - 2; j < std::min(points.size(), i + 4); ++j) has_room &= !stays(j);
       if (has_room) {
         EXPECT_GE(norm(points[i + 1].on_curve() - points[i].on_curve()), 0.999 * least) << i;
+        EXPECT_GE(norm(points[i + 1].position - points[i].position), 0.999 * least) << i;
       }
     }
   }
