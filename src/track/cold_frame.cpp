@@ -12,7 +12,6 @@
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/features/flat_share.h"
 #include "knotreel/features/scale.h"
-#include "knotreel/raster/render.h"
 #include "track/quality.h"
 #include "vectorize/feature_budget.h"
 #include "vectorize/fine_grid.h"
@@ -39,12 +38,9 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// PSNR as drawn, for as many control points: half of them is worth about 3 dB.
+/// For as many control points: half of them is worth about 3 dB.
 double worth(const ColdFrame& cold, const image::Image& picture) {
-  std::vector<float> residual = raster::render(model_of(cold.frame, picture.channels));
-  std::transform(picture.samples.begin(), picture.samples.end(), residual.begin(), residual.begin(),
-                 std::minus());
-  return quality_of(residual, {}, picture).psnr -
+  return psnr_as_drawn(cold.frame, picture) -
          10 * std::log10(static_cast<double>(cold.frame.space->function_count()));
 }
 
@@ -143,12 +139,14 @@ bool may_have_room(const ColdOptions& options, const image::Image& picture) {
 
 /// Nothing if it uses up too many control points, of which features and the first knots tell mostly, unless
 /// it may be cramped.
+/// @param is_second there is another drawing, which only one that has room would replace.
 /// @param on_room called once it is told that there is room. May be empty.
 std::shared_ptr<ColdFrame> drawing_with_room(Way way, const ColdOptions& options, const image::Image& picture,
-                                             double colour_step, const std::function<void()>& on_room) {
+                                             double colour_step, bool is_second,
+                                             const std::function<void()>& on_room) {
   const vectorize::Options chosen = options_for(way, options);
   const double most = most_functions(chosen, picture);
-  const bool may_be_full = may_be_cramped(way, chosen, picture);
+  const bool may_be_full = !is_second && may_be_cramped(way, chosen, picture);
   int fairings = 0;
   const auto look = [&](const vectorize::Progress& progress) {
     if (progress.stage == "features" && !may_be_full) {
@@ -204,8 +202,9 @@ class Ways {
   void take(Way way) {
     std::function<void()> prefer;
     if (way != Way::kDense) prefer = [this] { film_is_in_the_way_ = true; };
-    std::shared_ptr<ColdFrame> made = drawing_with_room(way, options_, picture_, colour_step_, prefer);
-    if (!made || (drawing_ && !has_room(*made, options_for(way, options_), picture_))) return;
+    std::shared_ptr<ColdFrame> made =
+        drawing_with_room(way, options_, picture_, colour_step_, drawing_ != nullptr, prefer);
+    if (!made) return;
     drawing_ = std::move(made);
     best_ = way;
   }
@@ -257,7 +256,7 @@ std::shared_ptr<ColdFrame> make_drawn_frame(const image::Image& picture, const C
   };
   if (way == Way::kDrawn && is_poor(*made, *options.drawn, picture))
     take_if_better(made_in(Way::kPlain, options, picture, colour_step));
-  if (options.dense) take_if_better(drawing_with_room(Way::kDense, options, picture, colour_step, {}));
+  if (options.dense) take_if_better(drawing_with_room(Way::kDense, options, picture, colour_step, true, {}));
   return made;
 }
 

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <vector>
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/squared_errors.h"
+#include "knotreel/raster/render.h"
 
 namespace knotreel::track {
 
@@ -53,6 +55,13 @@ Quality quality_of(std::span<const float> residual, std::span<const float> weigh
   if (sums.count == 0) return {};
   const double n = static_cast<double>(sums.count);
   return {sums.length / n, 10 * std::log10(255.0 * 255.0 * n * static_cast<double>(channels) / sums.squares)};
+}
+
+double psnr_as_drawn(const FittedFrame& frame, const image::Image& picture) {
+  std::vector<float> residual = raster::render(model_of(frame, picture.channels));
+  std::transform(picture.samples.begin(), picture.samples.end(), residual.begin(), residual.begin(),
+                 std::minus());
+  return quality_of(residual, {}, picture).psnr;
 }
 
 }  // namespace knotreel::track

@@ -3,6 +3,7 @@
 #include <span>
 
 #include "knotreel/image/image.h"
+#include "track/fitted_frame.h"
 
 namespace knotreel::track {
 
@@ -15,5 +16,8 @@ struct Quality {
 /// @param weights by pixel; those below 1 do not count. Empty: all count.
 Quality quality_of(std::span<const float> residual, std::span<const float> weights,
                    const image::Image& picture);
+
+/// PSNR of what is drawn, edges included, which in drawings are most of what there is to see.
+double psnr_as_drawn(const FittedFrame& frame, const image::Image& picture);
 
 }  // namespace knotreel::track

@@ -119,7 +119,7 @@ class Tracker::Impl {
       cold.reset();
       if (motion->repeated) {
         repeat();
-      } else if (!make_warm(picture, *motion, std::move(ahead.curves))) {
+      } else if (!make_warm_if_sound(picture, *motion, std::move(ahead.curves))) {
         cold = cold_frame(picture);
       }
       // While the first picture of a group is repeated, there is no target, and a cold frame is what there
@@ -231,6 +231,16 @@ class Tracker::Impl {
     report_->survival = 1;
     report_->psnr = watch_.last();
     report_->mec = last_mec_;
+  }
+
+  /// make_warm(), but for frames with a face that is too flat to be stored (never seen).
+  bool make_warm_if_sound(const image::Image& picture, const Motion& motion,
+                          std::shared_ptr<const DrawnCurves> curves) {
+    try {
+      return make_warm(picture, motion, std::move(curves));
+    } catch (const document::FlatFace&) {
+      return false;
+    }
   }
 
   /// @param curves of the picture, if they were found ahead.
@@ -351,7 +361,10 @@ class Tracker::Impl {
     std::shared_ptr<ColdFrame> cold = cold_frame(picture);
     laps_->add(std::exchange(cold->milliseconds, {}));
     const Quality quality = quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture);
-    if (quality.psnr > report_->psnr + options_.restart_gain) return cold;
+    if (quality.psnr > report_->psnr + options_.restart_gain &&
+        (!frame_.drawn ||
+         psnr_as_drawn(cold->frame, picture) > psnr_as_drawn(frame_, picture) + options_.restart_gain))
+      return cold;
     watch_.made_cold_frame_in_vain();
     outlook_.made_in_vain(quality.psnr, *target_, most_functions_);
     return nullptr;
