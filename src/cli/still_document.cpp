@@ -20,4 +20,9 @@ StillDocument still_document(const image::Image& image, const document::FrameMod
   return {std::move(bytes).str(), std::move(stored)};
 }
 
+std::vector<std::string> warnings_of(const vectorize::Report& report) {
+  if (!report.features_dropped) return {};
+  return {"its features make no mesh that can be stored; it is made without"};
+}
+
 }  // namespace knotreel::cli

@@ -1,9 +1,11 @@
 #pragma once
 
 #include <string>
+#include <vector>
 
 #include "knotreel/document/frame_model.h"
 #include "knotreel/image/image.h"
+#include "knotreel/vectorize/vectorize.h"
 
 namespace knotreel::cli {
 
@@ -15,5 +17,8 @@ struct StillDocument {
 
 /// @param image  that the model was made from.
 StillDocument still_document(const image::Image& image, const document::FrameModel& model);
+
+/// What to tell of how a picture was made, for warn_of().
+std::vector<std::string> warnings_of(const vectorize::Report& report);
 
 }  // namespace knotreel::cli

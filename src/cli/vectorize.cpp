@@ -138,6 +138,7 @@ void vectorize_picture(const VectorizeArguments& arguments) {
 
   const vectorize::Vectorization made = run(image, options, watcher);
   check_interrupted();
+  warn_of(arguments.input, warnings_of(made.report));
   timer.finish("vectorize");
 
   const StillDocument document = still_document(image, made.model);

@@ -9,11 +9,6 @@
 /// nearest knot or feature need not be one of the face that the point is in.
 namespace knotreel::knots {
 
-inline double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
-  const double t = std::clamp(dot(p - a, b - a) / dot(b - a, b - a), 0.0, 1.0);
-  return norm(p - (a + t * (b - a)));
-}
-
 /// @param start  the face that p is in. @param visit is told each face, and whether to go on is its answer;
 /// @param reach  is told each edge nearer than the radius, and whether to go on is its answer.
 /// @return whether all answers were yes.

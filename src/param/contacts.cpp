@@ -22,22 +22,17 @@ CellBox cells_of(const Piece& p, Vec2 origin, double slack) {
           cell(std::max(p.a.x, p.b.x) + slack, origin.x), cell(std::max(p.a.y, p.b.y) + slack, origin.y)};
 }
 
-bool is_near(Vec2 p, Vec2 a, Vec2 b, double slack) {
-  const Vec2 d = b - a;
-  const double t = std::clamp(dot(p - a, d) / dot(d, d), 0.0, 1.0);
-  return norm(p - a - t * d) <= slack;
-}
-
 bool nearly_meet(Vec2 a, Vec2 b, Vec2 c, Vec2 d, double slack) {
   if (std::max(a.x, b.x) + slack < std::min(c.x, d.x) || std::max(c.x, d.x) + slack < std::min(a.x, b.x) ||
       std::max(a.y, b.y) + slack < std::min(c.y, d.y) || std::max(c.y, d.y) + slack < std::min(a.y, b.y))
     return false;
-  return is_near(a, c, d, slack) || is_near(b, c, d, slack) || is_near(c, a, b, slack) ||
-         is_near(d, a, b, slack);
+  return distance_to_segment(a, c, d) <= slack || distance_to_segment(b, c, d) <= slack ||
+         distance_to_segment(c, a, b) <= slack || distance_to_segment(d, a, b) <= slack;
 }
 
 bool nearly_overlap(Vec2 common, Vec2 b, Vec2 c, double slack) {
-  return dot(b - common, c - common) > 0 && (is_near(b, common, c, slack) || is_near(c, common, b, slack));
+  return dot(b - common, c - common) > 0 &&
+         (distance_to_segment(b, common, c) <= slack || distance_to_segment(c, common, b) <= slack);
 }
 
 bool in_contact(const Piece& p, const Piece& q) {

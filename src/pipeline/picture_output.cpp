@@ -102,18 +102,26 @@ void PictureOutput::sum_up(FrameRow& row) {
     ++sums_.keyframes;
   }
   warn_of_small_text(row);
+  warn_of_dropped_features(row);
   if (on_frame_) on_frame_(row);
 }
 
 /// Once.
 void PictureOutput::warn_of_small_text(const FrameRow& row) {
   constexpr double kLegible = 26;  // dB
-  if (row.wanted_share == 0 || row.psnr >= kLegible || !sums_.warnings.empty()) return;
+  if (row.wanted_share == 0 || row.psnr >= kLegible || std::exchange(told_of_text_, true)) return;
   const auto percent = static_cast<int>(10 * std::ceil(10 * row.wanted_share));
   sums_.warnings.push_back("frame " + std::to_string(row.index) + " is a drawing with more edges than its " +
                            std::to_string(row.control_points) +
                            " control points can show, such as small text; --max-control-points " +
                            std::to_string(percent) + "% makes them sharper, but takes many times as long");
+}
+
+/// Once.
+void PictureOutput::warn_of_dropped_features(const FrameRow& row) {
+  if (!row.features_dropped || std::exchange(told_of_features_, true)) return;
+  sums_.warnings.push_back("the features of frame " + std::to_string(row.index) +
+                           " make no mesh that can be stored; it is made without");
 }
 
 Summary PictureOutput::finish() {

@@ -39,6 +39,7 @@ class PictureOutput {
 
  private:
   void warn_of_small_text(const FrameRow& row);
+  void warn_of_dropped_features(const FrameRow& row);
 
   raster::RenderOptions at_output_;
   std::optional<video::VideoWriter> writer_;
@@ -52,6 +53,8 @@ class PictureOutput {
   std::clock_t cpu_start_ = std::clock();
   Summary sums_;
   double squared_error_ = 0;
+  bool told_of_text_ = false;
+  bool told_of_features_ = false;
 };
 
 }  // namespace knotreel::pipeline

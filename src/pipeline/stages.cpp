@@ -118,6 +118,7 @@ void Stages::model(Message& message) {
     message.row.survival = report.survival;
     message.row.wanted_share = static_cast<double>(report.wanted_control_points) /
                                static_cast<double>(message.picture->pixel_count());
+    message.row.features_dropped = report.features_dropped;
     message.row.changes = std::move(report.changes);
     message.row.model_milliseconds = std::move(report.milliseconds);
   });

@@ -64,6 +64,7 @@ std::shared_ptr<ColdFrame> made_in(Way way, const ColdOptions& options, const im
   const Clock::time_point start = Clock::now();
   vectorize::Vectorization made = vectorize::vectorize_picture(picture, options_for(way, options), observer);
   const auto cold = std::make_shared<ColdFrame>();
+  cold->features_dropped = made.report.features_dropped;
   FittedFrame& frame = cold->frame;
   if (way != Way::kFilm) {
     frame.drawn = {made.report.feature_share, made.report.chains_over_budget > 0,

@@ -12,6 +12,7 @@ namespace knotreel::track {
 
 struct ColdFrame {
   FittedFrame frame;
+  bool features_dropped = false;                             ///< as vectorize::Report
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };
 

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "knotreel/mesh/triangulate.h"
-#include "knots/disc_walk.h"
 
 namespace knotreel::track {
 namespace {
@@ -215,7 +214,7 @@ class Redrawing {
     if (!room) return false;
     pieces_.near(p, least, [&](std::uint32_t s) {
       const auto [a, b] = segment(s);
-      room = room && knots::distance_to_segment(p, a, b) >= least;
+      room = room && distance_to_segment(p, a, b) >= least;
     });
     knots_.near(p, least,
                 [&](KnotIndex other) { room = room && norm(mesh_.knots[other].position - p) >= least; });

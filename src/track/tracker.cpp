@@ -173,6 +173,7 @@ class Tracker::Impl {
   void take_over(ColdFrame&& cold) {
     frame_ = std::move(cold.frame);
     mesh_ = frame_.space->mesh();
+    report_->features_dropped = cold.features_dropped;
     laps_->add(cold.milliseconds);
   }
 
@@ -361,13 +362,15 @@ class Tracker::Impl {
     std::shared_ptr<ColdFrame> cold = cold_frame(picture);
     laps_->add(std::exchange(cold->milliseconds, {}));
     const Quality quality = quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture);
-    if (quality.psnr > report_->psnr + options_.restart_gain &&
-        (!frame_.drawn ||
-         psnr_as_drawn(cold->frame, picture) > psnr_as_drawn(frame_, picture) + options_.restart_gain))
-      return cold;
+    const bool is_better = quality.psnr > report_->psnr + options_.restart_gain;
+    if (is_better && (!frame_.drawn || is_better_as_drawn(cold->frame, picture))) return cold;
     watch_.made_cold_frame_in_vain();
     outlook_.made_in_vain(quality.psnr, *target_, most_functions_);
     return nullptr;
+  }
+
+  bool is_better_as_drawn(const FittedFrame& cold, const image::Image& picture) const {
+    return psnr_as_drawn(cold, picture) > psnr_as_drawn(frame_, picture) + options_.restart_gain;
   }
 
   /// The space over a mesh that comes from the one there is, whose links are given. How many functions knots

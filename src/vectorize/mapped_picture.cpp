@@ -223,15 +223,12 @@ class Mapping {
     std::vector<features::Chain>& chains = mapped_.faired.chains;
     const std::vector<bool> short_ones =
         with_shorter_segments(mapped_.parametrization, chains.size(), scale_ * kShortestSegment);
-    const std::size_t before = chains.size();
-    std::size_t kept = 0;
-    for (std::size_t c = 0; c < before; ++c) {
-      if (short_ones[c]) continue;
-      if (kept != c) chains[kept] = std::move(chains[c]);
-      ++kept;
+    std::vector<features::Chain> kept;
+    for (std::size_t c = 0; c < chains.size(); ++c) {
+      if (!short_ones[c]) kept.push_back(std::move(chains[c]));
     }
-    chains.resize(kept);
-    return kept < before;
+    std::swap(chains, kept);
+    return chains.size() < kept.size();
   }
 
   /// Goes back from the finer polylines of drawings if features would then use up too much.

@@ -69,11 +69,6 @@ inline void expect_sound(const mesh::EditableMesh& mesh) {
   EXPECT_FALSE(defect) << *defect;
 }
 
-inline double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
-  const double t = std::fmin(1.0, std::fmax(0.0, dot(p - a, b - a) / dot(b - a, b - a)));
-  return norm(p - (a + t * (b - a)));
-}
-
 /// Distance of a point from the nearest feature or side of the domain.
 inline double distance_to_lines(const mesh::EditableMesh& mesh, Vec2 p) {
   double least = std::fmin(std::fmin(p.x, mesh.width() - p.x), std::fmin(p.y, mesh.height() - p.y));

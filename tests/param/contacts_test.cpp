@@ -7,8 +7,6 @@
 #include <set>
 #include <string>
 
-#include "knots/disc_walk.h"
-
 namespace knotreel::param {
 namespace {
 
@@ -23,7 +21,6 @@ Pairs contacts(const std::vector<Piece>& pieces, double slack) {
 
 /// Of pieces that do not cross.
 double distance(const Piece& p, const Piece& q) {
-  using knots::distance_to_segment;
   return std::min({distance_to_segment(p.a, q.a, q.b), distance_to_segment(p.b, q.a, q.b),
                    distance_to_segment(q.a, p.a, p.b), distance_to_segment(q.b, p.a, p.b)});
 }

@@ -7,7 +7,6 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/param/parametrization.h"
-#include "knots/disc_walk.h"
 #include "param/laws.h"
 #include "support/chains.h"
 
@@ -261,11 +260,11 @@ double least_distance(const Parametrization& p) {
   each([&](std::uint32_t a, std::uint32_t b) {
     each([&](std::uint32_t c, std::uint32_t d) {
       if (c != a && c != b)
-        least = std::min(least, knots::distance_to_segment(p.vertices[c].position, p.vertices[a].position,
-                                                           p.vertices[b].position));
+        least = std::min(least, distance_to_segment(p.vertices[c].position, p.vertices[a].position,
+                                                    p.vertices[b].position));
       if (d != a && d != b)
-        least = std::min(least, knots::distance_to_segment(p.vertices[d].position, p.vertices[a].position,
-                                                           p.vertices[b].position));
+        least = std::min(least, distance_to_segment(p.vertices[d].position, p.vertices[a].position,
+                                                    p.vertices[b].position));
     });
   });
   return least;

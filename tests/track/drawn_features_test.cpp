@@ -11,7 +11,6 @@
 
 #include "knotreel/fit/geometry_fit.h"
 #include "knotreel/spline/space.h"
-#include "knots/disc_walk.h"
 #include "support/drawn_scene.h"
 
 namespace knotreel::track {
@@ -127,8 +126,7 @@ image::Image strokes(std::uint64_t seed, double ground, double ink) {
   for (int j = 0; j < picture.height; ++j) {
     for (int i = 0; i < picture.width; ++i) {
       double least = 1e9;
-      for (const auto& [a, b] : lines)
-        least = std::min(least, knots::distance_to_segment({i + 0.5, j + 0.5}, a, b));
+      for (const auto& [a, b] : lines) least = std::min(least, distance_to_segment({i + 0.5, j + 0.5}, a, b));
       const double cover = std::clamp(2 - least, 0.0, 1.0);
       for (int c = 0; c < 3; ++c)
         picture.at(i, j, c) = static_cast<float>((1 - cover) * ground + cover * (ink + 20 * c));

@@ -6,8 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "knotreel/document/stored_mesh.h"
 #include "knotreel/image/metrics.h"
 #include "knotreel/raster/render.h"
+#include "knotreel/track/tracker.h"
 #include "support/drawn_scene.h"
 #include "track/cold_frame.h"
 
@@ -32,6 +34,26 @@ TEST(Quality, PixelsOfLittleWeightDoNotCount) {
   EXPECT_NEAR(quality_of(residual, {}, picture).mec, 51.5, 1e-9);
   EXPECT_NEAR(quality_of(residual, std::vector<float>{1, 1, 0, 1}, picture).psnr, 20 * std::log10(255 / 2.0),
               1e-9);
+}
+
+TEST(ColdFrame, OfWhichTheFeaturesCannotBeStoredTellsThat) {
+  const image::Image picture = test::drawing(40, 40);
+  const vectorize::Options options = vectorize::video_options({});
+  bool thrown = false;
+  const auto throw_once = [&](const vectorize::Progress& progress) {
+    if (progress.stage == "final" && !std::exchange(thrown, true))
+      throw document::FlatFace("cannot store a frame: for a test");
+  };
+  MadeAhead ahead;
+  ahead.cold = make_cold_frame(picture, {options, nullptr, nullptr}, 2, throw_once);
+  ASSERT_TRUE(thrown);
+  Tracker tracker(options, {});
+  FrameReport report;
+  const document::FrameModel model = tracker.next(picture, nullptr, &report, std::move(ahead));
+  EXPECT_TRUE(report.features_dropped);
+  EXPECT_TRUE(model.space->mesh().segments.empty());
+  tracker.next(picture, nullptr, &report);
+  EXPECT_FALSE(report.features_dropped);
 }
 
 }  // namespace

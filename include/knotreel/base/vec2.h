@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 
 namespace knotreel {
@@ -47,6 +48,13 @@ inline double angle_between(Vec2 a, Vec2 b) {
 /// By an angle in radians, positive as angle_between().
 inline Vec2 turned(Vec2 a, double angle) {
   return {std::cos(angle) * a.x - std::sin(angle) * a.y, std::sin(angle) * a.x + std::cos(angle) * a.y};
+}
+
+/// The ends may be one point.
+inline double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
+  const double squared = dot(b - a, b - a);
+  const double t = squared > 0 ? std::clamp(dot(p - a, b - a) / squared, 0.0, 1.0) : 0;
+  return norm(p - (a + t * (b - a)));
 }
 
 /// Signed area of the triangle (a,b,c); this sign is what "counter-clockwise" means in the whole library.

@@ -8,7 +8,9 @@ namespace knotreel::features {
 /// the way to the first one farther away. Where several curves meet, the place that fits them all best can be
 /// next to a point of one of them, or behind it, and a polyline would turn back for a hundredth of a pixel.
 /// Likewise those that are nearer than `least` to any other point of their chain, and corners within half a
-/// pixel of another corner, which are none then.
+/// pixel of another corner, which are none then. Distances are those on the curve or between positions,
+/// whatever is less; what the curve is beyond its positions at a sharp corner fades out towards the next
+/// points.
 /// @param least pixels from a point to the next, more than 0; other corners and ends stay.
 void space_points(FeatureChains& chains, double least = 0.25);
 

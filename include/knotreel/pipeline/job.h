@@ -34,16 +34,17 @@ struct FrameRow {
   std::string start;        ///< as track::to_string(); empty if the model was only read
   std::size_t knots = 0;
   std::size_t control_points = 0;
-  double mec = 0;               ///< levels; of the stored model, drawn at the size of the source
-  double meg = 0;               ///< pixels, as track::curve_error(); 0: no features
-  double psnr = 0;              ///< dB, likewise; infinite for equal pictures
-  double ssim = 0;              ///< likewise; 0 if the job does not ask for it
-  double survival = 0;          ///< share of the knots of the frame before that are in this one, 0 to 1
-  double wanted_share = 0;      ///< of the pixels: track::FrameReport::wanted_control_points
-  track::MeshChanges changes;   ///< of its mesh, and of that for the next frame
-  std::uint64_t bytes = 0;      ///< of its chunk in the document
-  double modelled_seconds = 0;  ///< since the start of the run, when its model was there; 0: only read
-  double finished_seconds = 0;  ///< since the start of the run, when it was encoded
+  double mec = 0;                 ///< levels; of the stored model, drawn at the size of the source
+  double meg = 0;                 ///< pixels, as track::curve_error(); 0: no features
+  double psnr = 0;                ///< dB, likewise; infinite for equal pictures
+  double ssim = 0;                ///< likewise; 0 if the job does not ask for it
+  double survival = 0;            ///< share of the knots of the frame before that are in this one, 0 to 1
+  double wanted_share = 0;        ///< of the pixels: track::FrameReport::wanted_control_points
+  bool features_dropped = false;  ///< as track::FrameReport
+  track::MeshChanges changes;     ///< of its mesh, and of that for the next frame
+  std::uint64_t bytes = 0;        ///< of its chunk in the document
+  double modelled_seconds = 0;    ///< since the start of the run, when its model was there; 0: only read
+  double finished_seconds = 0;    ///< since the start of the run, when it was encoded
   std::vector<std::pair<std::string, double>> milliseconds;        ///< per stage, in order
   std::vector<std::pair<std::string, double>> model_milliseconds;  ///< within the stage "model"
   std::vector<StageSpan> spans;                                    ///< the stages again, with their times

@@ -114,6 +114,7 @@ struct FrameReport {
   /// Of a first frame that is a drawing, but was not drawn for want of control points: what a still like it
   /// has, if that is more. Else 0.
   std::size_t wanted_control_points = 0;
+  bool features_dropped = false;  ///< as vectorize::Report, of a frame made from its picture alone
   MeshChanges changes;
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };

@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "cli/command.h"
 #include "cli/interrupt.h"
 #include "cli/pictures.h"
 #include "cli/still_document.h"
@@ -33,6 +34,7 @@ Figures PictureJob::run(const Item& item, Room& room) const {
   const vectorize::Vectorization made =
       vectorize::vectorize_picture(image, options, [](const vectorize::Progress&) { check_interrupted(); });
   check_interrupted();
+  warn_of(item.input, warnings_of(made.report));
   const StillDocument document = still_document(image, made.model);
   file.write(document.bytes);
   file.commit();

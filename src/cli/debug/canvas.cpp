@@ -23,12 +23,6 @@ struct Interval {
         end(static_cast<int>(std::clamp(std::ceil(high) + 1, 0.0, double(size)))) {}
 };
 
-double distance_to_segment(Vec2 p, Vec2 a, Vec2 b) {
-  const double squared = dot(b - a, b - a);
-  const double t = squared > 0 ? std::clamp(dot(p - a, b - a) / squared, 0.0, 1.0) : 0;
-  return norm(p - (a + t * (b - a)));
-}
-
 Vec2 swapped(Vec2 v) {
   return {v.y, v.x};
 }
