@@ -16,11 +16,30 @@ namespace {
 struct Differences {
   std::size_t flat = 0;   ///< at most a level
   std::size_t small = 0;  ///< up to kSmall
-  std::size_t large = 0;
+  std::size_t large = 0;  ///< the others
+  std::size_t sharp = 0;  ///< those of the large ones that are above kSharp
+
+  std::size_t count() const { return flat + small + large; }
 };
 
 constexpr float kFlat = 1;  // levels
 constexpr float kSmall = 8;
+constexpr float kSharp = 64;
+
+double flat_share(const Differences& differences) {
+  const std::size_t count = differences.count();
+  return count == 0 ? 0 : static_cast<double>(differences.flat) / static_cast<double>(count);
+}
+
+/// The share of the flat ones, and up to 0.2 more where edges are as sharp as those of drawings: where as
+/// many large differences are sharp as are not.
+double drawn_score(const Differences& differences) {
+  constexpr double kOfSharpEdges = 0.2;
+  const std::size_t medium = differences.large - differences.sharp;
+  const double sharpness =
+      static_cast<double>(differences.sharp) / static_cast<double>(std::max<std::size_t>(1, medium));
+  return flat_share(differences) + kOfSharpEdges * std::min(1.0, sharpness);
+}
 
 /// Without the pixels at the sides.
 Differences differences_of(const image::Image& image) {
@@ -40,25 +59,32 @@ Differences differences_of(const image::Image& image) {
         most = std::max({most, std::abs(along), std::abs(across)});
       }
       ++(most <= kFlat ? rows[row].flat : most <= kSmall ? rows[row].small : rows[row].large);
+      if (most > kSharp) ++rows[row].sharp;
     }
   });
-  return std::accumulate(
-      rows.begin(), rows.end(), Differences(), [](Differences sum, const Differences& row) {
-        return Differences{sum.flat + row.flat, sum.small + row.small, sum.large + row.large};
-      });
+  return std::accumulate(rows.begin(), rows.end(), Differences(),
+                         [](Differences sum, const Differences& row) {
+                           return Differences{sum.flat + row.flat, sum.small + row.small,
+                                              sum.large + row.large, sum.sharp + row.sharp};
+                         });
 }
 
 }  // namespace
 
 double flat_share(const image::Image& image) {
-  const Differences differences = differences_of(image);
-  const std::size_t count = differences.flat + differences.small + differences.large;
-  return count == 0 ? 0 : static_cast<double>(differences.flat) / static_cast<double>(count);
+  return flat_share(differences_of(image));
 }
 
 bool is_drawing(const image::Image& image) {
-  constexpr double kDrawnShare = 0.6;  // what is left of films by codecs has 0.5 and less
-  return flat_share(image) >= kDrawnShare;
+  constexpr double kDrawnShare = 0.6;   // what is left of films by codecs has 0.5 and less
+  constexpr double kDrawnScore = 0.52;  // and this up to 0.48
+  const Differences differences = differences_of(image);
+  return flat_share(differences) >= kDrawnShare || drawn_score(differences) >= kDrawnScore;
+}
+
+bool may_be_drawing(const image::Image& image) {
+  constexpr double kLeastScore = 0.42;
+  return drawn_score(differences_of(image)) >= kLeastScore;
 }
 
 bool is_clean(const image::Image& image) {

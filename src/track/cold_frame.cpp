@@ -23,6 +23,9 @@ namespace {
 // then; dB.
 constexpr double kGainOfDrawing = 0.5;
 constexpr double kGainOfCramped = 3;  // without room for the frames behind: they will often be made anew
+constexpr double kGainOfDense = 4;    // of film, which takes five times as long then
+// Small text cannot be read below that; dB.
+constexpr double kLegible = 35;
 // Share of the control points that it may use up: features change from frame to frame, and need room for
 // that.
 constexpr double kMostOfBound = 0.95;
@@ -49,11 +52,25 @@ enum class Way : std::uint8_t {
   kDrawn,
   kPlain,  ///< drawn, on the plain grid
   kDense,
+  kDenseFilm,
 };
+
+bool is_film(Way way) {
+  return way == Way::kFilm || way == Way::kDenseFilm;
+}
+
+bool is_dense(Way way) {
+  return way == Way::kDense || way == Way::kDenseFilm;
+}
 
 vectorize::Options options_for(Way way, const ColdOptions& options) {
   if (way == Way::kFilm) return options.film;
   if (way == Way::kDense) return *options.dense;
+  if (way == Way::kDenseFilm) {
+    vectorize::Options film = options.film;
+    film.max_control_points = options.dense->max_control_points;
+    return film;
+  }
   vectorize::Options drawn = *options.drawn;
   if (way == Way::kPlain) drawn.fine_grid = vectorize::FineGrid::kNone;
   return drawn;
@@ -66,10 +83,11 @@ std::shared_ptr<ColdFrame> made_in(Way way, const ColdOptions& options, const im
   const auto cold = std::make_shared<ColdFrame>();
   cold->features_dropped = made.report.features_dropped;
   FittedFrame& frame = cold->frame;
-  if (way != Way::kFilm) {
+  if (!is_film(way)) {
     frame.drawn = {made.report.feature_share, made.report.chains_over_budget > 0,
-                   made.report.strong_over_budget, made.report.fine_grid, way == Way::kDense};
+                   made.report.strong_over_budget, made.report.fine_grid};
   }
+  frame.dense = is_dense(way);
   frame.space = made.model.space;
   frame.displacement = std::move(made.model.displacement);
   frame.edge_softness = made.model.edge_softness;
@@ -182,10 +200,11 @@ class Ways {
     const double gain = is_cramped ? kGainOfCramped : kGainOfDrawing;
     if (drawing_ && worth(*drawing_, picture_) >= worth(*film_, picture_) + gain) return;
     best_ = Way::kFilm;
+    if (options_.dense) make_dense_film();
   }
 
   Way best() const { return best_; }
-  std::shared_ptr<ColdFrame> made() const { return best_ == Way::kFilm ? film_ : drawing_; }
+  std::shared_ptr<ColdFrame> made() const { return is_film(best_) ? film_ : drawing_; }
 
  private:
   /// What has no room on the fine grid may have it on the plain one; else it is tried densely.
@@ -223,6 +242,16 @@ class Ways {
     }
   }
 
+  /// Where film leaves small text illegible.
+  void make_dense_film() {
+    const double film = psnr_as_drawn(film_->frame, picture_);
+    if (film >= kLegible) return;
+    std::shared_ptr<ColdFrame> dense = made_in(Way::kDenseFilm, options_, picture_, colour_step_);
+    if (psnr_as_drawn(dense->frame, picture_) < film + kGainOfDense) return;
+    film_ = std::move(dense);
+    best_ = Way::kDenseFilm;
+  }
+
   const image::Image& picture_;
   const ColdOptions& options_;
   double colour_step_;
@@ -248,8 +277,8 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const Co
 }
 
 std::shared_ptr<ColdFrame> make_drawn_frame(const image::Image& picture, const ColdOptions& options,
-                                            const FeatureLimits& group, double colour_step) {
-  const Way way = group.dense ? Way::kDense : group.fine_grid ? Way::kDrawn : Way::kPlain;
+                                            const FittedFrame& group, double colour_step) {
+  const Way way = group.dense ? Way::kDense : group.drawn->fine_grid ? Way::kDrawn : Way::kPlain;
   std::shared_ptr<ColdFrame> made = made_in(way, options, picture, colour_step);
   if (way == Way::kDense || has_room(*made, *options.drawn, picture)) return made;
   const auto take_if_better = [&](const std::shared_ptr<ColdFrame>& other) {

@@ -19,6 +19,6 @@ struct ColdFrame {
 /// Of a drawing in a group of drawings: as film it was tried in the first frame. It is as the group is,
 /// unless it would be poor for want of control points and is better on the plain grid, or densely.
 std::shared_ptr<ColdFrame> make_drawn_frame(const image::Image& picture, const ColdOptions& options,
-                                            const FeatureLimits& group, double colour_step);
+                                            const FittedFrame& group, double colour_step);
 
 }  // namespace knotreel::track

@@ -24,7 +24,7 @@ constexpr Sheet kYielding{.stiffness = 0, .elasticity = 0.03, .inertia = 0.001};
 std::shared_ptr<const DrawnCurves> find_drawn_curves(const image::Image& picture,
                                                      const vectorize::Options& drawn, Drawing how,
                                                      std::shared_ptr<KnownDrawings> known) {
-  if (!features::is_drawing(picture)) return nullptr;
+  if (!features::may_be_drawing(picture)) return nullptr;
   DrawnCurves curves;
   curves.fine_grid = how == Drawing::kFineGrid;
   curves.known = known ? std::move(known) : std::make_shared<KnownDrawings>();
@@ -55,8 +55,7 @@ DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Optio
   }
   is_sound_ = vectorize::map_curves(picture, limited, most_functions, curves.found, on_grid,
                                     curves.known->corners(), log, mapped_);
-  limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share, curves.fine_grid,
-             before.dense};
+  limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share, curves.fine_grid};
   if (curves.fine_grid && is_sound_) mapped_ = vectorize::halved_features(mapped_);
 }
 

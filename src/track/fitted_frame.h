@@ -19,7 +19,6 @@ struct FeatureLimits {
   bool weak_dropped = false;
   bool strong_dropped = false;
   bool fine_grid = false;  ///< they were found there
-  bool dense = false;      ///< by TrackOptions::dense
 };
 
 /// A frame and the surface that was fitted to it.
@@ -34,6 +33,7 @@ struct FittedFrame {
   std::shared_ptr<const spline::PixelSurface> surface;  ///< at what was seen
   /// Of one that is drawn: the features of the next one are found in its picture.
   std::optional<FeatureLimits> drawn;
+  bool dense = false;  ///< by TrackOptions::dense, drawn or as film
 
   // Of warm frames, while parts of the picture rest (docs/decisions/0027); else empty.
   std::vector<std::uint64_t> prints;  ///< spline::function_fingerprints()

@@ -30,7 +30,7 @@ constexpr double kBoundLeeway = 0.003;  // of the bound, that new knots leave: l
 }  // namespace
 
 void Rework::start_group(const FittedFrame& frame) {
-  is_dense_ = frame.drawn && frame.drawn->dense;
+  is_dense_ = frame.dense;
   first_functions_ = group_functions_ = frame.space->function_count();
   group_features_ = feature_length(frame.space->mesh());
   since_births_ = 0;

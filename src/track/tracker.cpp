@@ -84,6 +84,7 @@ FittedFrame handed_over(FittedFrame& frame) {
   next.displacement = frame.displacement;
   next.edge_softness = frame.edge_softness;
   next.drawn = frame.drawn;
+  next.dense = frame.dense;
   FittedFrame before = std::exchange(frame, std::move(next));
   before.basis.reset();
   if (before.prints.empty()) {  // nobody will look for what is the same
@@ -159,8 +160,8 @@ class Tracker::Impl {
 
   /// Those of the group.
   const vectorize::Options& group_options() const {
-    if (!frame_.drawn) return cold_;
-    return frame_.drawn->dense ? *options_.dense : *options_.drawn;
+    if (frame_.dense) return *options_.dense;
+    return frame_.drawn ? *options_.drawn : cold_;
   }
 
   Drawing drawing_of_frame() const {
@@ -250,7 +251,7 @@ class Tracker::Impl {
                  std::shared_ptr<const DrawnCurves> curves) {
     rework_last();
     rest_.add(motion.unchanged);
-    const bool is_drawn = frame_.drawn && (curves || features::is_drawing(picture));
+    const bool is_drawn = frame_.drawn && (curves || features::may_be_drawing(picture));
     drawn_.reset();
     std::optional<KnotMesh> carried;
     std::optional<LinkMemory> links;
@@ -348,7 +349,7 @@ class Tracker::Impl {
   /// What was drawn so far is tried no more.
   std::shared_ptr<ColdFrame> cold_frame(const image::Image& picture) const {
     if (frame_.drawn && features::is_drawing(picture))
-      return make_drawn_frame(picture, cold_options(), *frame_.drawn, options_.colour_step);
+      return make_drawn_frame(picture, cold_options(), frame_, options_.colour_step);
     return make_cold_frame(picture, cold_options(), options_.colour_step);
   }
 

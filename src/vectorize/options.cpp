@@ -24,9 +24,12 @@ std::size_t share_or_more(std::uint64_t pixels, double share, std::size_t most_o
   return std::max(share_of(pixels, share), std::min(most_of_small, share_of(pixels, kShareOfSmall)));
 }
 
-/// From 10 % to 40 %: what is not flat is drawn densely, such as a page of text.
+/// From 10 % to 40 %: what is not flat is drawn densely, such as a page of text; but 10 % where more than
+/// that is not flat, which are photographs, shades and noise.
 double share_of_drawing(const image::Image& picture) {
-  return std::max(kShareOfDrawings, 2 * (1 - features::flat_share(picture)) - 0.4);
+  constexpr double kMostOfPage = 0.4;
+  const double share = 2 * (1 - features::flat_share(picture)) - 0.4;
+  return share > kMostOfPage ? kShareOfDrawings : std::max(kShareOfDrawings, share);
 }
 
 }  // namespace

@@ -43,6 +43,38 @@ TEST(FlatShare, DrawingsAreToldFromNoise) {
   EXPECT_FALSE(is_drawing(testing::draw(64, 48, [&](double, double) { return 90 + noise(random); })));
 }
 
+/// A page with sharp rules on flat ground, of which a part is a photograph: noise.
+image::Image page_with_photograph(int photograph, double height_of_rules) {
+  std::mt19937 random(kNoiseSeed);
+  std::normal_distribution<double> noise(0, 5);
+  image::Image page = image::make_image(100, 100, 1);
+  for (int y = 0; y < 100; ++y) {
+    for (int x = 0; x < 100; ++x) {
+      const double ground = x % 8 == 0 ? 220 - height_of_rules : 220;
+      page.at(x, y, 0) = float(y < photograph ? 100 + noise(random) : ground);
+    }
+  }
+  return page;
+}
+
+TEST(FlatShare, DrawingsMayHavePhotographsInThem) {
+  SCOPED_TRACE(kNoiseSeed);
+  const image::Image page = page_with_photograph(25, 200);
+  EXPECT_LT(flat_share(page), 0.5);
+  EXPECT_TRUE(is_drawing(page));
+  EXPECT_FALSE(is_drawing(page_with_photograph(25, 10))) << "nothing is sharp";
+  EXPECT_FALSE(is_drawing(page_with_photograph(60, 200))) << "most of it is a photograph";
+}
+
+TEST(FlatShare, LessIsAskedOfPicturesBehindDrawings) {
+  SCOPED_TRACE(kNoiseSeed);
+  EXPECT_TRUE(may_be_drawing(page_with_photograph(25, 200)));
+  EXPECT_TRUE(may_be_drawing(page_with_photograph(25, 10)));
+  EXPECT_TRUE(may_be_drawing(testing::disc(64, 31.7, 32.2, 20)));
+  EXPECT_FALSE(may_be_drawing(page_with_photograph(60, 200)));
+  EXPECT_FALSE(may_be_drawing(page_with_photograph(100, 0)));
+}
+
 TEST(FlatShare, EachChannelCounts) {
   image::Image picture = image::make_image(16, 12, 3);
   std::fill(picture.samples.begin(), picture.samples.end(), 50.0F);

@@ -400,6 +400,7 @@ TEST(Vectorize, DenseDrawingsMayHaveEvenMore) {
   const std::size_t dense = default_control_points(bars(8));
   EXPECT_EQ(sparse, 12000U);
   EXPECT_NEAR(double(dense), (2 * 3.0 / 8 - 0.4) * 400 * 300, 1200);
+  EXPECT_EQ(default_control_points(bars(6)), 12000U) << "half of it is not flat";
 }
 
 TEST(Vectorize, SmallVideosMayHaveMoreControlPoints) {

@@ -23,7 +23,7 @@ enum class Drawing : std::uint8_t {
 /// of other frames, so it may be done ahead of Tracker::next(), for several frames at once.
 /// @param drawn TrackOptions::drawn. @param how as Tracker::drawing(), but for kNone.
 /// @param known Tracker::known_drawings() or null. Curves keep it.
-/// @return null if the picture is no drawing (features::is_drawing()).
+/// @return null if the picture cannot be one of a sequence of drawings (features::may_be_drawing()).
 /// @throws Error{kInvalidArgument} as vectorize_picture().
 std::shared_ptr<const DrawnCurves> find_drawn_curves(const image::Image& picture,
                                                      const vectorize::Options& drawn, Drawing how,
