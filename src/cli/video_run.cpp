@@ -81,8 +81,10 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
   job.source = run.input;
   job.ssim = !run.stats.empty();
   const std::uint64_t pixels = std::uint64_t(info.width) * std::uint64_t(info.height);
-  job.cold =
-      vectorize::video_options(picture_options(run, pixels, vectorize::default_video_control_points(pixels)));
+  const auto film = [&](std::size_t most) {
+    return vectorize::video_options(picture_options(run, pixels, most));
+  };
+  job.cold = film(vectorize::default_video_control_points(pixels));
   job.tracking = run.tracking;
   if (job.cold.features && !run.no_drawn_frames) {
     const auto drawn = [&](std::size_t most) {
@@ -91,8 +93,11 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
     };
     job.tracking.drawn = drawn(vectorize::default_drawn_video_control_points(pixels));
     // What is dense takes several times as long.
-    if (!run.options.max_control_points && run.options.preset != "fast")
-      job.tracking.dense = drawn(vectorize::default_dense_video_control_points(pixels));
+    if (!run.options.max_control_points && run.options.preset != "fast") {
+      job.tracking.dense = drawn(vectorize::default_dense_drawn_video_control_points(pixels));
+      job.tracking.dense_film = std::make_shared<const vectorize::Options>(
+          film(vectorize::default_dense_video_control_points(pixels)));
+    }
   }
   job.document = run.document;
   job.split_folder = run.split_folder;

@@ -66,11 +66,7 @@ bool is_dense(Way way) {
 vectorize::Options options_for(Way way, const ColdOptions& options) {
   if (way == Way::kFilm) return options.film;
   if (way == Way::kDense) return *options.dense;
-  if (way == Way::kDenseFilm) {
-    vectorize::Options film = options.film;
-    film.max_control_points = options.dense->max_control_points;
-    return film;
-  }
+  if (way == Way::kDenseFilm) return *options.dense_film;
   vectorize::Options drawn = *options.drawn;
   if (way == Way::kPlain) drawn.fine_grid = vectorize::FineGrid::kNone;
   return drawn;
@@ -200,7 +196,7 @@ class Ways {
     const double gain = is_cramped ? kGainOfCramped : kGainOfDrawing;
     if (drawing_ && worth(*drawing_, picture_) >= worth(*film_, picture_) + gain) return;
     best_ = Way::kFilm;
-    if (options_.dense) make_dense_film();
+    if (options_.dense_film) make_dense_film();
   }
 
   Way best() const { return best_; }

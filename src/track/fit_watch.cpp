@@ -5,13 +5,16 @@ namespace knotreel::track {
 namespace {
 
 constexpr double kOfLate = 0.2;  // weight of a frame in shares of those of late
+constexpr int kShortGroup = 6;   // warm frames
 
 }  // namespace
 
-void FitWatch::start_group(double psnr) {
+void FitWatch::start_group(double psnr, bool dear) {
   last_ = psnr;
   repaired_ = 0;
-  vain_ = 0;
+  short_groups_ = dear && frames_ < kShortGroup ? short_groups_ + 1 : 0;
+  frames_ = 0;
+  vain_ = short_groups_;
   looked(psnr);
 }
 
@@ -23,6 +26,7 @@ bool FitWatch::needs_repair(double psnr) const {
 
 void FitWatch::end_frame(double psnr, bool repaired) {
   last_ = psnr;
+  ++frames_;
   repaired_ += kOfLate * ((repaired ? 1 : 0) - repaired_);
 }
 

@@ -10,7 +10,9 @@ class FitWatch {
  public:
   explicit FitWatch(const TrackOptions& options) : options_(options) {}
 
-  void start_group(double psnr);
+  /// @param dear a cold frame replaced a warm one, and takes long to make. If groups in a row that began so
+  /// did not last, the next looks wait as if as many had been made in vain.
+  void start_group(double psnr, bool dear);
 
   /// Whether a frame is worse than the one before by what a repair is for.
   bool has_fallen(double psnr) const { return last_ - psnr > options_.repair_below; }
@@ -49,7 +51,9 @@ class FitWatch {
   double drift_from_ = 0;  ///< that a fall counts from
   double repaired_ = 0;    ///< share of the frames of late that were
   int since_look_ = 0;     ///< frames
-  int vain_ = 0;           ///< cold frames of this group that were no better
+  int vain_ = 0;           ///< cold frames of this group that were no better, and short groups before it
+  int frames_ = 0;         ///< warm ones of this group
+  int short_groups_ = 0;   ///< in a row
 };
 
 }  // namespace knotreel::track

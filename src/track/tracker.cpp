@@ -156,12 +156,14 @@ class Tracker::Impl {
   const std::shared_ptr<KnownDrawings>& known_drawings() const { return known_drawings_; }
 
  private:
-  ColdOptions cold_options() const { return {cold_, options_.drawn.get(), options_.dense.get()}; }
+  ColdOptions cold_options() const {
+    return {cold_, options_.drawn.get(), options_.dense.get(), options_.dense_film.get()};
+  }
 
   /// Those of the group.
   const vectorize::Options& group_options() const {
-    if (frame_.dense) return *options_.dense;
-    return frame_.drawn ? *options_.drawn : cold_;
+    if (frame_.drawn) return frame_.dense ? *options_.dense : *options_.drawn;
+    return frame_.dense ? *options_.dense_film : cold_;
   }
 
   Drawing drawing_of_frame() const {
@@ -187,7 +189,7 @@ class Tracker::Impl {
     if (!frame_.drawn) drawn_.reset();  // of a frame that was thrown away, or of the group before
     count_most_functions(picture);
     measure();
-    watch_.start_group(report_->psnr);
+    watch_.start_group(report_->psnr, report_->start == Start::kDrift && frame_.dense);
     coarseness_.start_group(report_->psnr);
     rework_.start_group(frame_);
     bending_.start_group();

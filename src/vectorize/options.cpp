@@ -14,6 +14,7 @@ constexpr double kShareOfSmall = 0.2;
 constexpr double kShareOfVideo = 0.02;
 constexpr double kShareOfDrawings = 0.1;
 constexpr std::size_t kMostOfDrawings = 200'000;
+constexpr std::size_t kMostOfSmallDense = 50'000;
 
 std::size_t share_of(std::uint64_t pixels, double share) {
   return std::max<std::size_t>(256, static_cast<std::size_t>(share * static_cast<double>(pixels)));
@@ -52,6 +53,11 @@ std::size_t default_drawn_video_control_points(std::uint64_t pixels) {
 std::size_t default_dense_video_control_points(std::uint64_t pixels) {
   return std::max(default_drawn_video_control_points(pixels),
                   std::min(kMostOfDrawings, share_of(pixels, kShareOfDrawings)));
+}
+
+std::size_t default_dense_drawn_video_control_points(std::uint64_t pixels) {
+  return std::max(default_dense_video_control_points(pixels),
+                  std::min(kMostOfSmallDense, share_of(pixels, kShareOfSmall)));
 }
 
 std::size_t most_control_points(const Options& options, const image::Image& picture) {

@@ -395,30 +395,31 @@ TEST(ColdFrame, ADrawingWithoutRoomIsDenseIfThatIsWorthIt) {
 TEST(ColdFrame, ADrawingWithoutRoomIsDenseAsFilmIfItCannotBeSeenElse) {
   const vectorize::Options film = vectorize::video_options(picture_options(400));
   const vectorize::Options drawn = vectorize::drawn_video_options(picture_options(400));
-  const vectorize::Options dense = vectorize::drawn_video_options(picture_options(1500));
+  const vectorize::Options dense = vectorize::video_options(picture_options(1500));
   const image::Image squares = many_squares();
   const auto sparse = make_cold_frame(squares, {film, &drawn}, 2);
   ASSERT_LT(psnr_as_drawn(sparse->frame, squares), 35);
-  const auto made = make_cold_frame(squares, {film, &drawn, &dense}, 2);
+  const auto made = make_cold_frame(squares, {film, &drawn, nullptr, &dense}, 2);
   EXPECT_FALSE(made->frame.drawn);
   EXPECT_TRUE(made->frame.dense);
   EXPECT_GT(made->frame.space->function_count(), 400U);
   EXPECT_LE(made->frame.space->function_count(), 1500U);
   EXPECT_GT(psnr_as_drawn(made->frame, squares), psnr_as_drawn(sparse->frame, squares) + 4);
-  const vectorize::Options hardly_more = vectorize::drawn_video_options(picture_options(450));
-  EXPECT_FALSE(make_cold_frame(squares, {film, &drawn, &hardly_more}, 2)->frame.dense) << "no better";
+  const vectorize::Options hardly_more = vectorize::video_options(picture_options(450));
+  EXPECT_FALSE(make_cold_frame(squares, {film, &drawn, nullptr, &hardly_more}, 2)->frame.dense)
+      << "no better";
   // Faint squares can be seen as they are.
   image::Image faint = squares;
   for (float& sample : faint.samples) sample = 220 + sample / 16;
-  const auto seen = make_cold_frame(faint, {film, &drawn, &dense}, 2);
+  const auto seen = make_cold_frame(faint, {film, &drawn, nullptr, &dense}, 2);
   EXPECT_GT(psnr_as_drawn(seen->frame, faint), 35);
   EXPECT_FALSE(seen->frame.dense);
 }
 
 TEST(DrawnFrames, ThatAreDenseAsFilmStayDense) {
   TrackOptions options = drawn_options(400);
-  options.dense =
-      std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(picture_options(1500)));
+  options.dense_film =
+      std::make_shared<const vectorize::Options>(vectorize::video_options(picture_options(1500)));
   options.drift = 100;
   std::vector<image::Image> pictures(4, many_squares());
   for (std::size_t i = 1; i < pictures.size(); ++i) {

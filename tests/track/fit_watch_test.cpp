@@ -10,7 +10,7 @@ const TrackOptions kOptions{
 
 FitWatch watch(double psnr) {
   FitWatch watch(kOptions);
-  watch.start_group(psnr);
+  watch.start_group(psnr, false);
   return watch;
 }
 
@@ -62,8 +62,36 @@ TEST(FitWatch, ColdFramesInVainMakeLooksWait) {
   w.looked(30);
   for (int i = 1; i < 16; ++i) EXPECT_FALSE(w.is_time_to_look(30)) << i;
   EXPECT_TRUE(w.is_time_to_look(30));
-  w.start_group(30);
+  w.start_group(30, false);
   EXPECT_TRUE(w.is_time_to_look(26.9));
+}
+
+TEST(FitWatch, GroupsThatDidNotLastMakeLooksWait) {
+  FitWatch w = watch(30);
+  const auto frames = [&](int count) {
+    for (int i = 0; i < count; ++i) w.end_frame(30, false);
+  };
+  const auto looks_at = [&](double psnr) {
+    FitWatch now = w;
+    return now.is_time_to_look(psnr);
+  };
+  frames(3);
+  w.start_group(30, true);
+  frames(2);
+  EXPECT_TRUE(looks_at(26.9)) << "one short group is none";
+  w.start_group(30, true);
+  EXPECT_FALSE(looks_at(26.9)) << "two in a row";
+  EXPECT_TRUE(looks_at(23.9));
+  frames(2);
+  w.start_group(30, true);
+  EXPECT_FALSE(looks_at(23.9)) << "three";
+  frames(2);
+  FitWatch cut = w;
+  cut.start_group(30, false);
+  EXPECT_TRUE(cut.is_time_to_look(26.9)) << "of another scene";
+  frames(4);
+  w.start_group(30, true);
+  EXPECT_TRUE(looks_at(26.9)) << "that one lasted";
 }
 
 }  // namespace

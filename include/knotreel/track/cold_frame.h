@@ -13,8 +13,9 @@ struct ColdFrame;
 /// The ways in which a frame can be made.
 struct ColdOptions {
   const vectorize::Options& film;
-  const vectorize::Options* drawn = nullptr;  ///< TrackOptions::drawn
-  const vectorize::Options* dense = nullptr;  ///< TrackOptions::dense
+  const vectorize::Options* drawn = nullptr;       ///< TrackOptions::drawn
+  const vectorize::Options* dense = nullptr;       ///< TrackOptions::dense
+  const vectorize::Options* dense_film = nullptr;  ///< TrackOptions::dense_film
 };
 
 /// Nearly all the work of a cold frame. It needs nothing of other frames, so it may be done for several

@@ -29,6 +29,9 @@ struct TrackOptions {
   /// The same with a larger bound on control points, for drawings that have no room in that of `drawn` and
   /// are worth it. Such a group has as many as its first frame asks for, and some more. Null: none are.
   std::shared_ptr<const vectorize::Options> dense = nullptr;
+  /// As the film options, with a larger bound, for drawings whose features have no room in any other and that
+  /// would be illegible: pages of small text. Groups as those of `dense`. Null: none are.
+  std::shared_ptr<const vectorize::Options> dense_film = nullptr;
   bool warm_start = true;  ///< false: every frame is made from its picture alone
   /// Share of what the frame before missed that this one is not asked to mend, along motion, 0 to 1: keeps
   /// noise from flickering. Where nothing moves it counts twice.

@@ -129,9 +129,13 @@ std::size_t default_video_control_points(std::uint64_t pixels);
 /// many outlines in any size.
 std::size_t default_drawn_video_control_points(std::uint64_t pixels);
 
-/// Of drawn frames that ask for more, such as those with text: 10 % of the pixels, up to 200,000, as a
-/// drawing that is a picture on its own may have.
+/// Of frames of drawings that are made as film but ask for more, such as pages of small text: 10 % of the
+/// pixels, up to 200,000, as a drawing that is a picture on its own may have.
 std::size_t default_dense_video_control_points(std::uint64_t pixels);
+
+/// The same of frames that are drawn, but 20 % of small ones, up to 50,000: most ask for far fewer, and those
+/// that fill their bound are made anew again and again (docs/decisions/0049).
+std::size_t default_dense_drawn_video_control_points(std::uint64_t pixels);
 
 /// Those that a model may have at most: what the options say, or as many as by default.
 std::size_t most_control_points(const Options& options, const image::Image& picture);
