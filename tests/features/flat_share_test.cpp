@@ -44,14 +44,15 @@ TEST(FlatShare, DrawingsAreToldFromNoise) {
 }
 
 /// A page with sharp rules on flat ground, of which a part is a photograph: noise.
-image::Image page_with_photograph(int photograph, double height_of_rules) {
+/// @param slope of the ground, levels per row.
+image::Image page_with_photograph(int photograph, double height_of_rules, double slope = 0) {
   std::mt19937 random(kNoiseSeed);
   std::normal_distribution<double> noise(0, 5);
   image::Image page = image::make_image(100, 100, 1);
   for (int y = 0; y < 100; ++y) {
     for (int x = 0; x < 100; ++x) {
-      const double ground = x % 8 == 0 ? 220 - height_of_rules : 220;
-      page.at(x, y, 0) = float(y < photograph ? 100 + noise(random) : ground);
+      const double ground = (x % 8 == 0 ? 220 - height_of_rules : 220) - slope * (99 - y);
+      page.at(x, y, 0) = float(y < photograph ? 60 + x + noise(random) : ground);
     }
   }
   return page;
@@ -62,8 +63,21 @@ TEST(FlatShare, DrawingsMayHavePhotographsInThem) {
   const image::Image page = page_with_photograph(25, 200);
   EXPECT_LT(flat_share(page), 0.5);
   EXPECT_TRUE(is_drawing(page));
-  EXPECT_FALSE(is_drawing(page_with_photograph(25, 10))) << "nothing is sharp";
+  EXPECT_FALSE(is_drawing(page_with_photograph(25, 10, 2))) << "nothing is sharp";
   EXPECT_FALSE(is_drawing(page_with_photograph(60, 200))) << "most of it is a photograph";
+}
+
+/// With as many flat pixels, and as sharp edges.
+TEST(FlatShare, PagesAreToldFromFilmsByTheirGround) {
+  SCOPED_TRACE(kNoiseSeed);
+  const image::Image page = page_with_photograph(49, 190), film = page_with_photograph(49, 190, 2);
+  EXPECT_NEAR(flat_share(page), flat_share(film), 1e-3);
+  EXPECT_TRUE(is_drawing(page));
+  EXPECT_FALSE(is_drawing(film));
+  image::Image bars = page;  // of a film: black
+  for (int y = 49; y < 100; ++y)
+    for (int x = 0; x < 100; ++x) bars.at(x, y, 0) = std::abs(bars.at(x, y, 0) - 220);
+  EXPECT_FALSE(is_drawing(bars));
 }
 
 TEST(FlatShare, LessIsAskedOfPicturesBehindDrawings) {
