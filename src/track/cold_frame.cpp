@@ -23,9 +23,7 @@ namespace {
 // then; dB.
 constexpr double kGainOfDrawing = 0.5;
 constexpr double kGainOfCramped = 3;  // without room for the frames behind: they will often be made anew
-constexpr double kGainOfDense = 4;    // of film, which takes five times as long then
-// Small text cannot be read below that; dB.
-constexpr double kLegible = 35;
+constexpr double kGainOfDense = 2;    // over illegible film
 // Share of the control points that it may use up: features change from frame to frame, and need room for
 // that.
 constexpr double kMostOfBound = 0.95;
@@ -195,8 +193,12 @@ class Ways {
     if (!film_) film_ = made_in(Way::kFilm, options_, picture_, colour_step_);
     const double gain = is_cramped ? kGainOfCramped : kGainOfDrawing;
     if (drawing_ && worth(*drawing_, picture_) >= worth(*film_, picture_) + gain) return;
+    const double film = psnr_as_drawn(film_->frame, picture_);
+    if (film < kLegible && drawing_ && best_ == Way::kDense &&
+        psnr_as_drawn(drawing_->frame, picture_) >= film + kGainOfDense)
+      return;
     best_ = Way::kFilm;
-    if (options_.dense_film) make_dense_film();
+    if (film < kLegible && options_.dense_film) make_dense_film(film);
   }
 
   Way best() const { return best_; }
@@ -238,10 +240,8 @@ class Ways {
     }
   }
 
-  /// Where film leaves small text illegible.
-  void make_dense_film() {
-    const double film = psnr_as_drawn(film_->frame, picture_);
-    if (film >= kLegible) return;
+  /// @param film PSNR of the other.
+  void make_dense_film(double film) {
     std::shared_ptr<ColdFrame> dense = made_in(Way::kDenseFilm, options_, picture_, colour_step_);
     if (psnr_as_drawn(dense->frame, picture_) < film + kGainOfDense) return;
     film_ = std::move(dense);

@@ -10,6 +10,9 @@
 
 namespace knotreel::track {
 
+/// Film below that leaves small text illegible; dB.
+inline constexpr double kLegible = 35;
+
 struct ColdFrame {
   FittedFrame frame;
   bool features_dropped = false;                             ///< as vectorize::Report

@@ -355,11 +355,19 @@ class Tracker::Impl {
     return make_cold_frame(picture, cold_options(), options_.colour_step);
   }
 
+  /// Control points that a cold frame may have: illegible film of a drawing may get dense.
+  std::size_t most_if_cold(const image::Image& picture) const {
+    const bool may_get_dense = options_.dense_film && !frame_.drawn && !frame_.dense &&
+                               report_->psnr < kLegible && features::is_drawing(picture);
+    return may_get_dense ? vectorize::most_control_points(*options_.dense_film, picture) : most_functions_;
+  }
+
   /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to
   /// look again soon.
   std::shared_ptr<ColdFrame> better_cold_frame(const image::Image& picture) {
     watch_.looked(report_->psnr);
-    const double expected = outlook_.expected_psnr(*target_, most_functions_);
+    const std::size_t most = most_if_cold(picture);
+    const double expected = outlook_.expected_psnr(*target_, most);
     laps_->lap("difficulty");
     if (expected < report_->psnr + options_.restart_gain) return nullptr;
     std::shared_ptr<ColdFrame> cold = cold_frame(picture);
@@ -368,7 +376,7 @@ class Tracker::Impl {
     const bool is_better = quality.psnr > report_->psnr + options_.restart_gain;
     if (is_better && (!frame_.drawn || is_better_as_drawn(cold->frame, picture))) return cold;
     watch_.made_cold_frame_in_vain();
-    outlook_.made_in_vain(quality.psnr, *target_, most_functions_);
+    outlook_.made_in_vain(quality.psnr, *target_, most);
     return nullptr;
   }
 

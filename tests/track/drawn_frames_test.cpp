@@ -417,6 +417,24 @@ TEST(ColdFrame, ADrawingWithoutRoomIsDenseAsFilmIfItCannotBeSeenElse) {
   EXPECT_FALSE(seen->frame.dense);
 }
 
+/// It can be seen at first, and then no more.
+TEST(DrawnFrames, FilmOfADrawingBecomesDenseInItsMidst) {
+  TrackOptions options = drawn_options(400);
+  std::vector<image::Image> pictures;
+  for (const float faintness : {16.0F, 12.0F, 8.0F, 5.0F, 3.0F}) {
+    pictures.push_back(many_squares());
+    for (float& sample : pictures.back().samples) sample = 150 + sample / faintness;
+  }
+  const std::vector<FrameReport> film = track(pictures, options, 400).reports;
+  for (const FrameReport& report : film) EXPECT_LE(report.control_points, 400U);
+  options.dense_film =
+      std::make_shared<const vectorize::Options>(vectorize::video_options(picture_options(1500)));
+  const std::vector<FrameReport> dense = track(pictures, options, 400).reports;
+  EXPECT_LE(dense.front().control_points, 400U) << "it can be seen";
+  EXPECT_GT(dense.back().control_points, 800U);
+  EXPECT_GT(dense.back().psnr, film.back().psnr + 3);
+}
+
 TEST(DrawnFrames, ThatAreDenseAsFilmStayDense) {
   TrackOptions options = drawn_options(400);
   options.dense_film =
