@@ -39,10 +39,13 @@ double milliseconds_since(Clock::time_point start) {
   return std::chrono::duration<double, std::milli>(Clock::now() - start).count();
 }
 
-/// For as many control points: half of them is worth about 3 dB.
+/// For as many control points: half of them is worth about 3 dB. @param psnr as drawn.
+double worth(const ColdFrame& cold, double psnr) {
+  return psnr - 10 * std::log10(static_cast<double>(cold.frame.space->function_count()));
+}
+
 double worth(const ColdFrame& cold, const image::Image& picture) {
-  return psnr_as_drawn(cold.frame, picture) -
-         10 * std::log10(static_cast<double>(cold.frame.space->function_count()));
+  return worth(cold, psnr_as_drawn(cold.frame, picture));
 }
 
 enum class Way : std::uint8_t {
@@ -191,12 +194,8 @@ class Ways {
     const bool is_cramped = drawing_ && !drawing_has_room();
     if (drawing_ && !is_cramped && best_ != Way::kDense && has_crisp_edges(drawing_->frame)) return;
     if (!film_) film_ = made_in(Way::kFilm, options_, picture_, colour_step_);
-    const double gain = is_cramped ? kGainOfCramped : kGainOfDrawing;
-    if (drawing_ && worth(*drawing_, picture_) >= worth(*film_, picture_) + gain) return;
     const double film = psnr_as_drawn(film_->frame, picture_);
-    if (film < kLegible && drawing_ && best_ == Way::kDense &&
-        psnr_as_drawn(drawing_->frame, picture_) >= film + kGainOfDense)
-      return;
+    if (drawing_ && drawing_is_better(film, is_cramped ? kGainOfCramped : kGainOfDrawing)) return;
     best_ = Way::kFilm;
     if (film < kLegible && options_.dense_film) make_dense_film(film);
   }
@@ -225,6 +224,13 @@ class Ways {
     if (!made) return;
     drawing_ = std::move(made);
     best_ = way;
+  }
+
+  /// @param film PSNR of the film. @param gain for as many control points, unless that is illegible.
+  bool drawing_is_better(double film, double gain) const {
+    const double drawn = psnr_as_drawn(drawing_->frame, picture_);
+    if (best_ == Way::kDense && film < kLegible && drawn >= film + kGainOfDense) return true;
+    return worth(*drawing_, drawn) >= worth(*film_, film) + gain;
   }
 
   bool drawing_has_room() const { return has_room(*drawing_, options_for(best_, options_), picture_); }
