@@ -5,16 +5,19 @@ namespace knotreel::track {
 namespace {
 
 constexpr double kOfLate = 0.2;  // weight of a frame in shares of those of late
-constexpr int kShortGroup = 6;   // warm frames
+constexpr int kShortGroup = 6;   // warm frames, of a dear group
+constexpr int kShortCheap = 3;   // and of others
+constexpr int kCheapGroups = 2;  // that count as one cold frame in vain
 
 }  // namespace
 
-void FitWatch::start_group(double psnr, bool dear) {
+void FitWatch::start_group(double psnr, Start start, bool dear) {
   last_ = psnr;
   repaired_ = 0;
-  short_groups_ = dear && frames_ < kShortGroup ? short_groups_ + 1 : 0;
+  const bool short_before = start == Start::kDrift && frames_ < (dear ? kShortGroup : kShortCheap);
+  short_groups_ = short_before ? short_groups_ + 1 : 0;
   frames_ = 0;
-  vain_ = short_groups_;
+  vain_ = dear ? short_groups_ : short_groups_ / kCheapGroups;
   looked(psnr);
 }
 

@@ -10,9 +10,10 @@ class FitWatch {
  public:
   explicit FitWatch(const TrackOptions& options) : options_(options) {}
 
-  /// @param dear a cold frame replaced a warm one, and takes long to make. If groups in a row that began so
-  /// did not last, the next looks wait as if as many had been made in vain.
-  void start_group(double psnr, bool dear);
+  /// @param start why the group begins. If groups in a row that began by drift did not last, the next looks
+  /// wait as if as many cold frames had been made in vain, half as many unless those are dear.
+  /// @param dear such cold frames take long to make
+  void start_group(double psnr, Start start, bool dear);
 
   /// Whether a frame is worse than the one before by what a repair is for.
   bool has_fallen(double psnr) const { return last_ - psnr > options_.repair_below; }

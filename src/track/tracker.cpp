@@ -189,7 +189,7 @@ class Tracker::Impl {
     if (!frame_.drawn) drawn_.reset();  // of a frame that was thrown away, or of the group before
     count_most_functions(picture);
     measure();
-    watch_.start_group(report_->psnr, report_->start == Start::kDrift && frame_.dense);
+    watch_.start_group(report_->psnr, report_->start, frame_.dense);
     coarseness_.start_group(report_->psnr);
     rework_.start_group(frame_);
     bending_.start_group();

@@ -10,7 +10,7 @@ const TrackOptions kOptions{
 
 FitWatch watch(double psnr) {
   FitWatch watch(kOptions);
-  watch.start_group(psnr, false);
+  watch.start_group(psnr, Start::kFirst, false);
   return watch;
 }
 
@@ -62,7 +62,7 @@ TEST(FitWatch, ColdFramesInVainMakeLooksWait) {
   w.looked(30);
   for (int i = 1; i < 16; ++i) EXPECT_FALSE(w.is_time_to_look(30)) << i;
   EXPECT_TRUE(w.is_time_to_look(30));
-  w.start_group(30, false);
+  w.start_group(30, Start::kDrift, false);
   EXPECT_TRUE(w.is_time_to_look(26.9));
 }
 
@@ -76,22 +76,38 @@ TEST(FitWatch, GroupsThatDidNotLastMakeLooksWait) {
     return now.is_time_to_look(psnr);
   };
   frames(3);
-  w.start_group(30, true);
+  w.start_group(30, Start::kDrift, true);
   frames(2);
   EXPECT_TRUE(looks_at(26.9)) << "one short group is none";
-  w.start_group(30, true);
+  w.start_group(30, Start::kDrift, true);
   EXPECT_FALSE(looks_at(26.9)) << "two in a row";
   EXPECT_TRUE(looks_at(23.9));
   frames(2);
-  w.start_group(30, true);
+  w.start_group(30, Start::kDrift, true);
   EXPECT_FALSE(looks_at(23.9)) << "three";
   frames(2);
   FitWatch cut = w;
-  cut.start_group(30, false);
+  cut.start_group(30, Start::kCut, true);
   EXPECT_TRUE(cut.is_time_to_look(26.9)) << "of another scene";
   frames(4);
-  w.start_group(30, true);
+  w.start_group(30, Start::kDrift, true);
   EXPECT_TRUE(looks_at(26.9)) << "that one lasted";
+}
+
+TEST(FitWatch, GroupsThatAreCheapMakeLooksWaitHalfAsLong) {
+  FitWatch w = watch(30);
+  const auto look_after_groups = [&](int count, double psnr) {
+    for (int i = 0; i < count; ++i) w.start_group(30, Start::kDrift, false);
+    FitWatch now = w;
+    return now.is_time_to_look(psnr);
+  };
+  EXPECT_TRUE(look_after_groups(3, 26.9)) << "as if one had been made in vain";
+  EXPECT_FALSE(look_after_groups(1, 26.9)) << "two";
+  EXPECT_TRUE(look_after_groups(0, 23.9));
+  EXPECT_TRUE(look_after_groups(1, 23.9)) << "five groups, still two";
+  EXPECT_FALSE(look_after_groups(1, 23.9)) << "three";
+  for (int i = 0; i < 3; ++i) w.end_frame(30, false);
+  EXPECT_TRUE(look_after_groups(1, 26.9)) << "three frames are enough";
 }
 
 }  // namespace
