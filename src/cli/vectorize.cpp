@@ -131,13 +131,13 @@ void vectorize_picture(const VectorizeArguments& arguments) {
                      arguments.input));
   }
   vectorize::Options options = effective_options(arguments.options, image.pixel_count());
-  options.max_control_points = vectorize::most_control_points(options, image);
   OutputFiles files(arguments);
   Watcher watcher(arguments.debug_dir, timer);
   timer.finish("decode");
 
   const vectorize::Vectorization made = run(image, options, watcher);
   check_interrupted();
+  options.max_control_points = made.report.max_control_points;
   warn_of(arguments.input, warnings_of(made.report));
   timer.finish("vectorize");
 

@@ -55,7 +55,7 @@ DrawnFeatures::DrawnFeatures(const image::Image& picture, const vectorize::Optio
   }
   is_sound_ = vectorize::map_curves(picture, limited, most_functions, curves.found, on_grid,
                                     curves.known->corners(), log, mapped_);
-  limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.over_share, curves.fine_grid};
+  limits_ = {before.share, log.report.chains_over_budget > 0, mapped_.dropped.strong, curves.fine_grid};
   if (curves.fine_grid && is_sound_) mapped_ = vectorize::halved_features(mapped_);
 }
 

@@ -47,7 +47,8 @@ double turning(const features::Chain& chain) {
 }
 
 struct RankedChain {
-  double worth = 0;  ///< levels of contrast, for what straight ones cost
+  double contrast = 0;  ///< levels
+  double worth = 0;     ///< the same, for what straight ones cost
   bool weak = false;
   features::Chain chain;
 };
@@ -56,16 +57,15 @@ RankedChain ranked(const image::Image& picture, int scale, features::Chain chain
   const double contrast = mean_range(picture, chain, 1, scale);
   const bool sharp = contrast >= kSharpness * mean_range(picture, chain, 3, scale);
   const double worth = contrast / (1 + kTurnsAreDear * std::max(0.0, scale * turning(chain) - kFreeTurning));
-  return {worth, worth < kWeakWorth && !sharp, std::move(chain)};
+  return {contrast, worth, worth < kWeakWorth && !sharp, std::move(chain)};
 }
 
 /// Drops the chains that are worth least, or the weak ones among them, until at most this share of the
 /// feature pixels is left. What a chain costs grows with its length, as does what it is good for, but the
 /// latter with its contrast too; and text and texture, which turn all the time, cost more per pixel than
 /// outlines.
-/// @return whether any was dropped.
-bool keep_strongest(const image::Image& picture, double share, bool weak_only,
-                    features::FeatureChains& chains) {
+DroppedFeatures keep_strongest(const image::Image& picture, double share, bool weak_only,
+                               features::FeatureChains& chains) {
   const double allowed = share * static_cast<double>(chain_pixels(chains));
   const int scale = features::scale_of(chains, picture);
   std::vector<RankedChain> all;
@@ -73,14 +73,18 @@ bool keep_strongest(const image::Image& picture, double share, bool weak_only,
   std::stable_sort(all.begin(), all.end(),
                    [](const RankedChain& a, const RankedChain& b) { return a.worth > b.worth; });
   std::size_t kept = 0;
+  DroppedFeatures dropped;
   chains.chains.clear();
   for (RankedChain& r : all) {
     const std::size_t length = r.chain.points.size();
-    if ((r.weak || !weak_only) && static_cast<double>(kept + length) > allowed) continue;
+    if ((r.weak || !weak_only) && static_cast<double>(kept + length) > allowed) {
+      dropped.add({!weak_only, static_cast<double>(length), r.contrast * static_cast<double>(length)});
+      continue;
+    }
     kept += length;
     chains.chains.push_back(std::move(r.chain));
   }
-  return chains.chains.size() < all.size();
+  return dropped;
 }
 
 }  // namespace
@@ -127,12 +131,18 @@ void drop_winding(double max_turning, features::FeatureChains& chains) {
   std::erase_if(chains.chains, [&](const features::Chain& c) { return turning(c) > max_turning; });
 }
 
-bool keep_within_budget(const image::Image& picture, double functions, double most,
-                        const FeatureShares& shares, features::FeatureChains& chains) {
-  if (functions <= shares.weak * most) return false;
-  if (keep_strongest(picture, std::min(kMargin * shares.weak, kLeftToWeak) * most / functions, true, chains))
-    return false;
-  if (functions <= shares.any * most) return false;
+void DroppedFeatures::add(const DroppedFeatures& more) {
+  strong = strong || more.strong;
+  points += more.points;
+  contrast += more.contrast;
+}
+
+DroppedFeatures keep_within_budget(const image::Image& picture, double functions, double most,
+                                   const FeatureShares& shares, features::FeatureChains& chains) {
+  if (functions <= shares.weak * most) return {};
+  const double left_to_weak = std::min(kMargin * shares.weak, kLeftToWeak) * most / functions;
+  const DroppedFeatures dropped = keep_strongest(picture, left_to_weak, true, chains);
+  if (dropped.points > 0 || functions <= shares.any * most) return dropped;
   return keep_strongest(picture, std::min(kMargin * shares.any, kMostLeft) * most / functions, false, chains);
 }
 

@@ -28,13 +28,22 @@ struct FeatureShares {
   double weak = 0.1;  ///< above which weak ones go
 };
 
+/// What was left out for the sake of a budget.
+struct DroppedFeatures {
+  bool strong = false;  ///< the share of any was not enough, so that strong ones were dropped, too
+  double points = 0;    ///< of their chains
+  double contrast = 0;  ///< levels, summed over these points
+
+  double mean_contrast() const { return points > 0 ? contrast / points : 0; }
+  void add(const DroppedFeatures& more);
+};
+
 /// Drops feature chains that cost more control points than features may use up, before any knot is put
 /// between them: those of least contrast for what they cost, weak ones first, which the smooth surface can
 /// stand in for.
 /// @param picture of the size of the chains, or half as wide and high.
 /// @param functions that the chains cost together. @param most control points of the whole model.
-/// @return whether the share of any was not enough, so that strong ones were dropped, too.
-bool keep_within_budget(const image::Image& picture, double functions, double most,
-                        const FeatureShares& shares, features::FeatureChains& chains);
+DroppedFeatures keep_within_budget(const image::Image& picture, double functions, double most,
+                                   const FeatureShares& shares, features::FeatureChains& chains);
 
 }  // namespace knotreel::vectorize

@@ -109,7 +109,7 @@ Halved::Halved(const MappedPicture& fine, const image::Image& picture)
 MappedPicture halved_features(const MappedPicture& fine) {
   MappedPicture half;
   half.knots = halved(fine.knots);
-  half.over_share = fine.over_share;
+  half.dropped = fine.dropped;
   half.parametrization.width = fine.parametrization.width / 2;
   half.parametrization.height = fine.parametrization.height / 2;
   if (!fine.has_features()) return half;

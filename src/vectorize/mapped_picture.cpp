@@ -244,9 +244,8 @@ class Mapping {
   /// Drops chains if they cost too many control points. @return whether it did.
   bool limit_features(double functions) {
     const std::size_t before = mapped_.detected.chains.size();
-    if (keep_within_budget(original_, functions, static_cast<double>(max_functions_), shares_,
-                           mapped_.detected))
-      mapped_.over_share = true;
+    mapped_.dropped.add(keep_within_budget(original_, functions, static_cast<double>(max_functions_), shares_,
+                                           mapped_.detected));
     const std::size_t dropped = before - mapped_.detected.chains.size();
     log_.report.chains_over_budget += dropped;
     return dropped > 0;

@@ -10,6 +10,7 @@
 #include "knotreel/knots/target.h"
 #include "knotreel/mesh/knot_mesh.h"
 #include "knotreel/param/parametrization.h"
+#include "vectorize/feature_budget.h"
 #include "vectorize/run_log.h"
 
 namespace knotreel::vectorize {
@@ -21,8 +22,8 @@ struct MappedPicture {
   image::Image corrected;          ///< without the mixed colours beside features; empty without features
   features::ImageMesh image_mesh;  ///< empty without features
   param::Parametrization parametrization;
-  mesh::KnotMesh knots;     ///< that features ask for
-  bool over_share = false;  ///< strong features were dropped, too
+  mesh::KnotMesh knots;  ///< that features ask for
+  DroppedFeatures dropped;
 
   bool has_features() const { return !faired.chains.empty(); }
   /// Lets go of where the pixels lie, once there are Samples: 32 bytes per pixel.

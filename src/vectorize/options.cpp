@@ -13,6 +13,7 @@ constexpr std::size_t kMostOfSmallFilm = 1'500;
 constexpr double kShareOfSmall = 0.2;
 constexpr double kShareOfVideo = 0.02;
 constexpr double kShareOfDrawings = 0.1;
+constexpr double kMostOfPage = 0.4;
 constexpr std::size_t kMostOfDrawings = 200'000;
 constexpr std::size_t kMostOfSmallDense = 50'000;
 
@@ -28,7 +29,6 @@ std::size_t share_or_more(std::uint64_t pixels, double share, std::size_t most_o
 /// From 10 % to 40 %: what is not flat is drawn densely, such as a page of text; but 10 % where more than
 /// that is not flat, which are photographs, shades and noise.
 double share_of_drawing(const image::Image& picture) {
-  constexpr double kMostOfPage = 0.4;
   const double share = 2 * (1 - features::flat_share(picture)) - 0.4;
   return share > kMostOfPage ? kShareOfDrawings : std::max(kShareOfDrawings, share);
 }
@@ -40,6 +40,11 @@ std::size_t default_control_points(const image::Image& picture) {
   const std::size_t of_any = share_or_more(pixels, 0.0275, kMostOfSmall);
   if (of_any >= kMostOfDrawings || !features::is_drawing(picture)) return of_any;
   return std::max(of_any, std::min(kMostOfDrawings, share_of(pixels, share_of_drawing(picture))));
+}
+
+std::size_t default_control_points_with_features(const image::Image& picture) {
+  return std::max(default_control_points(picture),
+                  std::min(kMostOfDrawings, share_of(picture.pixel_count(), kMostOfPage)));
 }
 
 std::size_t default_video_control_points(std::uint64_t pixels) {
@@ -73,6 +78,7 @@ Options preset_options(Preset preset) {
       options.optimise.steps = 2;
       options.descent_steps = 0;
       options.fine_grid = FineGrid::kNone;
+      options.room_for_features = false;
       break;
     case Preset::kBalanced:
       break;
@@ -114,6 +120,7 @@ Options video_options(Options picture) {
   picture.corner_detection = false;
   picture.clear_curves = picture.clear_inside = false;
   picture.fine_grid = FineGrid::kNone;
+  picture.room_for_features = false;
   picture.drawn_distance = picture.parametrize.polyline_distance;
   // The frames behind are not fitted so: it would take a tenth of their time (docs/decisions/0038).
   picture.mixed_weight = 0;

@@ -18,6 +18,12 @@ constexpr double kShareWithRoom = 0.6;  // for features then
 constexpr double kUsedByAll = 0.6;
 constexpr double kNoLimit = 2;  // that pixels tell of is up to twice what straight lines need
 
+/// Rather than soft edges and noise, which the smooth surface shows as well.
+bool are_missed(const DroppedFeatures& dropped) {
+  constexpr double kContrast = 100;  // levels, in the mean
+  return dropped.strong || dropped.mean_contrast() >= kContrast;
+}
+
 /// With features that may have this share of the control points or that. Two starts are never there at the
 /// same time with all their pixels, of which a fine grid has many.
 class Starts {
@@ -29,14 +35,17 @@ class Starts {
         log_(log),
         found_(find_features(grid, options, log)) {}
 
+  void grow(std::size_t max_functions) { max_functions_ = max_functions; }
+
   /// Nothing but features.
   std::unique_ptr<Start> mapped(double share) {
     auto start = std::make_unique<Start>();
+    start->max_functions = max_functions_;
     Options options = options_;
     options.feature_share = log_.report.feature_share = share;
     log_.report.chains_over_budget = 0;
     map_features(grid_, found_, options, max_functions_, known_, log_, start->mapped);
-    log_.report.strong_over_budget = start->mapped.over_share;
+    log_.report.strong_over_budget = start->mapped.dropped.strong;
     return start;
   }
 
@@ -60,7 +69,7 @@ class Starts {
     Report report = log_.report;
     const Progress progress = log_.progress;
     std::unique_ptr<Start> start = mapped(kNoLimit);
-    if (!start->mapped.over_share) {
+    if (!start->mapped.dropped.strong) {
       place(*start);
       if (used(*start) <= kUsedByAll) return start;
     }
@@ -81,14 +90,21 @@ class Starts {
 
 }  // namespace
 
-std::unique_ptr<Start> make_start(const Grid& grid, const Options& options, std::size_t max_functions,
+std::unique_ptr<Start> make_start(const Grid& grid, const Options& options, const Bounds& bounds,
                                   RunLog& log) {
-  Starts starts(grid, options, max_functions, log);
+  Starts starts(grid, options, bounds.usual, log);
   const Progress at_first = log.progress;
   std::unique_ptr<Start> start = starts.mapped(options.feature_share);
-  if (options.feature_share >= kShareWithRoom && start->mapped.over_share &&
-      features::is_drawing(grid.original)) {
-    if (std::unique_ptr<Start> whole = starts.whole()) return whole;
+  if (options.feature_share >= kShareWithRoom && features::is_drawing(grid.original)) {
+    if (start->mapped.dropped.strong) {
+      if (std::unique_ptr<Start> whole = starts.whole()) return whole;
+    }
+    if (are_missed(start->mapped.dropped) && bounds.with_features > bounds.usual) {
+      start.reset();
+      log.progress = at_first;
+      starts.grow(bounds.with_features);
+      start = starts.mapped(options.feature_share);
+    }
   }
   starts.place(*start);
   if (options.feature_share < kShareWithRoom && log.report.chains_over_budget > 0 &&

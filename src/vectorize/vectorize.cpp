@@ -34,6 +34,12 @@ void check_picture(const image::Image& picture) {
     refuse("cannot vectorize a picture with samples that are not finite");
 }
 
+Bounds bounds_of(const Options& options, const image::Image& picture) {
+  const std::size_t usual = most_control_points(options, picture);
+  const bool may_grow = options.max_control_points == 0 && options.room_for_features;
+  return {usual, may_grow ? default_control_points_with_features(picture) : usual};
+}
+
 /// Moves all knots against the true error.
 void descend(const Options& options, const Samples& samples, RunLog& log, Draft& draft) {
   if (draft.fits_all_pixels && samples.steers_by_half_rows()) {
@@ -61,25 +67,25 @@ class Run {
 
   Vectorization run() {
     log_.begin_round("round 1");
-    const std::size_t max_functions = most_control_points(options_, picture_);
-    if (!wants_fine_grid(picture_, options_)) return run({picture_, picture_}, options_, max_functions);
+    if (!wants_fine_grid(picture_, options_)) return run({picture_, picture_}, options_);
     const image::Image enlarged = image::enlarge_twofold(picture_);
     log_.progress.picture = &enlarged;
     log_.report.fine_grid = true;
     log_.lap("enlarge");
-    return run({enlarged, picture_}, on_fine_grid(options_), max_functions);
+    return run({enlarged, picture_}, on_fine_grid(options_));
   }
 
  private:
   /// @param options in pixels of the grid.
-  Vectorization run(const Grid& grid, const Options& options, std::size_t max_functions) {
-    std::unique_ptr<Start> start = make_start(grid, options, max_functions, log_);
+  Vectorization run(const Grid& grid, const Options& options) {
+    std::unique_ptr<Start> start = make_start(grid, options, bounds_of(options_, picture_), log_);
+    log_.report.max_control_points = start->max_functions;
     std::optional<Halved> half;
     if (grid.scale() > 1) half.emplace(start->mapped, picture_);
     start->mapped.forget_pixels();
     log_.progress.image_mesh = nullptr;
     log_.progress.parametrization = nullptr;
-    improve(*start, half ? &half->samples() : nullptr, options, max_functions);
+    improve(*start, half ? &half->samples() : nullptr, options);
     draft_.steering.reset();
     log_.begin_round("final");
     if (!half) return finished(*start->samples);
@@ -91,9 +97,9 @@ class Run {
   }
 
   /// @param of_picture samples of the picture itself, if the others are of a fine grid; or null.
-  void improve(Start& start, Samples* of_picture, const Options& options, std::size_t max_functions) {
+  void improve(Start& start, Samples* of_picture, const Options& options) {
     Samples& samples = *start.samples;
-    Rounds rounds(options, *start.target, samples, max_functions, log_, draft_);
+    Rounds rounds(options, *start.target, samples, start.max_functions, log_, draft_);
     rounds.first(std::move(*start.mesh), start.mapped.knots);
     end_round(samples);
     Judge judge(options_, samples, of_picture, log_, draft_);

@@ -48,7 +48,7 @@ TEST(Cli, HelpTellsTheDefaultOfTheCommand) {
   for (const char* command : {"vectorize", "batch"}) {
     const std::string text = help(command);
     EXPECT_NE(text.find("(default 2.75%, of small pictures 20% up to 3000,"), std::string::npos) << command;
-    EXPECT_NE(text.find("of drawings 10%, of videos 2%,"), std::string::npos) << command;
+    EXPECT_NE(text.find("of drawings 10% to 40%, of videos 2%,"), std::string::npos) << command;
   }
 }
 

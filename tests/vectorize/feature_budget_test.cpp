@@ -52,8 +52,10 @@ FeatureChains chains_of(std::vector<Chain> list) {
 
 TEST(FeatureBudget, WhatFitsStays) {
   FeatureChains chains = chains_of({straight(20, 60), winding(60, 60)});
-  keep_within_budget(fields_of(200), 60, 1000, {}, chains);
+  const DroppedFeatures dropped = keep_within_budget(fields_of(200), 60, 1000, {}, chains);
   EXPECT_EQ(chains.chains.size(), 2U);
+  EXPECT_EQ(dropped.points, 0);
+  EXPECT_EQ(dropped.mean_contrast(), 0);
 }
 
 TEST(FeatureBudget, WindingChainsAreDropped) {
@@ -74,9 +76,12 @@ TEST(FeatureBudget, OfTheSameContrastTheStraightOneStays) {
                                                {winding(35, 30), winding(50, 30), winding(70, 30), simple}};
   for (const std::vector<Chain>& order : orders) {
     FeatureChains chains = chains_of(order);
-    keep_within_budget(fields_of(200), 100, 99, {.any = 1}, chains);  // three tenths of the pixels may stay
+    // Three tenths of the pixels may stay.
+    const DroppedFeatures dropped = keep_within_budget(fields_of(200), 100, 99, {.any = 1}, chains);
     ASSERT_EQ(chains.chains.size(), 1U);
     EXPECT_EQ(chains.chains[0].points.back().y, 20);
+    EXPECT_TRUE(dropped.strong);
+    EXPECT_EQ(dropped.points, 90);
   }
 }
 
@@ -90,14 +95,21 @@ TEST(FeatureBudget, WeakOnesGoAboveTheirShare) {
     }
     return p;
   };
+  DroppedFeatures dropped;
   const auto left = [&](bool soft, double weak) {
     FeatureChains chains = chains_of({straight(20, 30)});
-    keep_within_budget(picture(soft), 150, 1000, {.weak = weak}, chains);
+    dropped.add(keep_within_budget(picture(soft), 150, 1000, {.weak = weak}, chains));
     return chains.chains.size();
   };
   EXPECT_EQ(left(true, 0.1), 0U);
   EXPECT_EQ(left(true, 0.2), 1U);
   EXPECT_EQ(left(false, 0.1), 1U);
+  EXPECT_FALSE(dropped.strong);
+  EXPECT_EQ(dropped.points, 30);
+  EXPECT_EQ(dropped.mean_contrast(), 40) << "of its pixels and those beside them";
+  EXPECT_EQ(left(true, 0.1), 0U);
+  EXPECT_EQ(dropped.points, 60);
+  EXPECT_EQ(dropped.mean_contrast(), 40);
 }
 
 }  // namespace

@@ -107,7 +107,7 @@ struct FineStart {
 
   explicit FineStart(const image::Image& picture) : enlarged(image::enlarge_twofold(picture)) {
     log.begin_round("round 1");
-    start = make_start({enlarged, picture}, options, kMost, log);
+    start = make_start({enlarged, picture}, options, {kMost, kMost}, log);
   }
 
   const image::Image enlarged;

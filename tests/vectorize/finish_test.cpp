@@ -30,7 +30,7 @@ TEST(Finish, AnOutlookLeavesNoTrace) {
   const Observer observer;
   RunLog log(picture, observer);
   log.begin_round("round 1");
-  const auto start = make_start({picture, picture}, options, 3000, log);
+  const auto start = make_start({picture, picture}, options, {3000, 3000}, log);
   Samples& samples = *start->samples;
   Draft draft;
   Rounds rounds(options, *start->target, samples, 3000, log, draft);

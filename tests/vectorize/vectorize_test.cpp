@@ -373,6 +373,42 @@ TEST(Vectorize, LineArtKeepsAllItsLinesIfTheyFit) {
   EXPECT_TRUE(few.report.strong_over_budget);
 }
 
+/// A third of it full of rings, the rest empty.
+image::Image dense_page(int width, int height) {
+  return draw(width, height, 3, [=](double x, double y) {
+    const double r = std::hypot(std::fmod(x, 11) - 5.5, std::fmod(y, 11) - 5.5);
+    const bool on_ring = x < width / 3.0 && r > 2.4 && r < 4.2;
+    return on_ring ? Colour{20, 30, 40, 0} : Colour{255, 255, 255, 0};
+  });
+}
+
+TEST(Vectorize, TheBoundGrowsWhereFeaturesOfDrawingsHaveNoRoom) {
+  const image::Image page = dense_page(240, 180);
+  const std::size_t usual = default_control_points(page);
+  const std::size_t most = default_control_points_with_features(page);
+  ASSERT_EQ(most, std::size_t{240} * 180 * 2 / 5);
+  ASSERT_LT(usual, most / 2);
+  const Vectorization grown = vectorize_picture(page);
+  EXPECT_EQ(grown.report.max_control_points, most);
+  EXPECT_EQ(grown.report.chains_over_budget, 0U);
+  EXPECT_LE(grown.model.space->function_count(), most);
+  expect_sound(grown, page);
+  // Not one that is given, and not where that is not wanted.
+  const Vectorization given = vectorize_picture(page, {.max_control_points = usual});
+  EXPECT_EQ(given.report.max_control_points, usual);
+  EXPECT_GT(given.report.chains_over_budget, 0U);
+  EXPECT_GT(psnr(page, grown.model), psnr(page, given.model) + 3);
+  const Vectorization fixed = vectorize_picture(page, {.room_for_features = false});
+  EXPECT_TRUE(fixed.model.colour == given.model.colour);
+}
+
+TEST(Vectorize, TheBoundStaysWhereFeaturesHaveRoom) {
+  const image::Image drawing = draw(300, 200, 3, [](double x, double y) {
+    return std::hypot(x - 110, y - 86) < 60 ? Colour{0, 0, 0, 0} : Colour{255, 255, 255, 0};
+  });
+  EXPECT_EQ(vectorize_picture(drawing).report.max_control_points, default_control_points(drawing));
+}
+
 image::Image noise_picture(int width, int height) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> noise(0, 255);
@@ -401,6 +437,9 @@ TEST(Vectorize, DenseDrawingsMayHaveEvenMore) {
   EXPECT_EQ(sparse, 12000U);
   EXPECT_NEAR(double(dense), (2 * 3.0 / 8 - 0.4) * 400 * 300, 1200);
   EXPECT_EQ(default_control_points(bars(6)), 12000U) << "half of it is not flat";
+  EXPECT_EQ(default_control_points_with_features(bars(6)), 48000U);
+  EXPECT_EQ(default_control_points_with_features(image::make_image(1000, 800, 1)), 200000U);
+  EXPECT_EQ(default_control_points_with_features(image::make_image(4000, 2000, 1)), 220000U);
 }
 
 TEST(Vectorize, SmallVideosMayHaveMoreControlPoints) {

@@ -41,6 +41,9 @@ struct Options {
   double meg = 1;                      ///< and the mean error of the feature curves too, pixels; >= 0
   int rounds = 3;                      ///< of fitting, each but the first after inserting knots; 1 or more
   std::size_t max_control_points = 0;  ///< upper bound; 0: default_control_points()
+  /// Whether the bound by default grows to default_control_points_with_features() where it has no room for
+  /// the features of a drawing.
+  bool room_for_features = true;
   /// Share of these that the first round may use, above 0, up to 1, if there are others: what is left, and
   /// what is idle, goes where that fit was worst.
   double first_share = 0.8;
@@ -120,6 +123,10 @@ struct Options {
 /// pixels that is not flat (features::flat_share()) beyond a quarter, up to 200,000: most need far fewer, and
 /// where there is small text nothing else keeps it legible (docs/decisions/0036, 0039).
 std::size_t default_control_points(const image::Image& picture);
+
+/// Where that has no room for the features of a drawing (docs/decisions/0050): 40 % of the pixels, up to
+/// 200,000, or as many as by default if that is more.
+std::size_t default_control_points_with_features(const image::Image& picture);
 
 /// 2 % of the pixels, but at least 256, of a frame of a video: it has less to give than a photograph, since
 /// its colours are coarser, and the frame before tells most of it. Of small ones 20 %, up to 1500.

@@ -29,6 +29,7 @@ struct RoundReport {
 };
 
 struct Report {
+  std::size_t max_control_points = 0;  ///< the bound in the end, which may have grown for features
   std::size_t chains = 0;
   std::size_t chains_over_budget =
       0;                            ///< of these, dropped because features may not use up the control points
