@@ -161,6 +161,7 @@ nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
           {"drawn_max_control_points", o.drawn ? o.drawn->max_control_points : 0},
           {"dense_max_control_points", o.dense ? o.dense->max_control_points : 0},
           {"dense_film_max_control_points", o.dense_film ? o.dense_film->max_control_points : 0},
+          {"cramped_max_control_points", o.cramped ? o.cramped->max_control_points : 0},
           {"drawn_fine_grid", o.drawn && o.drawn->fine_grid != vectorize::FineGrid::kNone},
           {"temporal_weight", o.temporal_weight},
           {"keyframe_interval", o.keyframe_interval},

@@ -95,6 +95,7 @@ pipeline::Job make_job(const VideoRun& run, video::VideoReader& reader) {
     // What is dense takes several times as long.
     if (!run.options.max_control_points && run.options.preset != "fast") {
       job.tracking.dense = drawn(vectorize::default_dense_drawn_video_control_points(pixels));
+      job.tracking.cramped = drawn(vectorize::default_cramped_video_control_points(pixels));
       job.tracking.dense_film = std::make_shared<const vectorize::Options>(
           film(vectorize::default_dense_video_control_points(pixels)));
     }

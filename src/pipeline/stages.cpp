@@ -94,10 +94,11 @@ void Stages::cold(Message& message) {
   timed(failure_, "cold", message, [&] {
     const Urgent urgent(is_awaited(message));
     const auto observer = job_.watch.cold ? job_.watch.cold(message.index) : vectorize::Observer();
-    message.ahead.cold = track::make_cold_frame(
-        *message.picture,
-        {job_.cold, job_.tracking.drawn.get(), job_.tracking.dense.get(), job_.tracking.dense_film.get()},
-        job_.tracking.colour_step, observer);
+    message.ahead.cold =
+        track::make_cold_frame(*message.picture,
+                               {job_.cold, job_.tracking.drawn.get(), job_.tracking.dense.get(),
+                                job_.tracking.dense_film.get(), job_.tracking.cramped.get()},
+                               job_.tracking.colour_step, observer);
   });
 }
 

@@ -53,6 +53,7 @@ enum class Way : std::uint8_t {
   kDrawn,
   kPlain,  ///< drawn, on the plain grid
   kDense,
+  kCramped,  ///< even denser, without room for the frames behind
   kDenseFilm,
 };
 
@@ -61,12 +62,13 @@ bool is_film(Way way) {
 }
 
 bool is_dense(Way way) {
-  return way == Way::kDense || way == Way::kDenseFilm;
+  return way == Way::kDense || way == Way::kCramped || way == Way::kDenseFilm;
 }
 
 vectorize::Options options_for(Way way, const ColdOptions& options) {
   if (way == Way::kFilm) return options.film;
   if (way == Way::kDense) return *options.dense;
+  if (way == Way::kCramped) return *options.cramped;
   if (way == Way::kDenseFilm) return *options.dense_film;
   vectorize::Options drawn = *options.drawn;
   if (way == Way::kPlain) drawn.fine_grid = vectorize::FineGrid::kNone;
@@ -85,6 +87,7 @@ std::shared_ptr<ColdFrame> made_in(Way way, const ColdOptions& options, const im
                    made.report.strong_over_budget, made.report.fine_grid};
   }
   frame.dense = is_dense(way);
+  frame.cramped = way == Way::kCramped;
   frame.space = made.model.space;
   frame.displacement = std::move(made.model.displacement);
   frame.edge_softness = made.model.edge_softness;
@@ -153,16 +156,14 @@ bool may_have_room(const ColdOptions& options, const image::Image& picture) {
   return true;
 }
 
-/// Nothing if it uses up too many control points, of which features and the first knots tell mostly, unless
-/// it may be cramped.
-/// @param is_second there is another drawing, which only one that has room would replace.
+/// Nothing if it uses up too many control points, of which features and the first knots tell mostly.
+/// @param may_be_full unless its features alone are too many, if it is dense.
 /// @param on_room called once it is told that there is room. May be empty.
 std::shared_ptr<ColdFrame> drawing_with_room(Way way, const ColdOptions& options, const image::Image& picture,
-                                             double colour_step, bool is_second,
+                                             double colour_step, bool may_be_full,
                                              const std::function<void()>& on_room) {
   const vectorize::Options chosen = options_for(way, options);
   const double most = most_functions(chosen, picture);
-  const bool may_be_full = !is_second && may_be_cramped(way, chosen, picture);
   int fairings = 0;
   const auto look = [&](const vectorize::Progress& progress) {
     if (progress.stage == "features" && !may_be_full) {
@@ -171,7 +172,7 @@ std::shared_ptr<ColdFrame> drawing_with_room(Way way, const ColdOptions& options
       if (vectorize::expected_functions(*progress.detected) > scale * most) throw CalledOff();
     }
     // Once more: some had to go. What is dense is so for its features.
-    if (progress.stage == "fairing" && ++fairings > 1 && way == Way::kDense) throw CalledOff();
+    if (progress.stage == "fairing" && ++fairings > 1 && is_dense(way)) throw CalledOff();
     if (progress.stage != "knots") return;
     const bool is_full = expected_functions(progress, chosen.degree) > kMostAtFirst * most;
     if (is_full && !may_be_full) throw CalledOff();
@@ -197,7 +198,9 @@ class Ways {
     const double film = psnr_as_drawn(film_->frame, picture_);
     if (drawing_ && drawing_is_better(film, is_cramped ? kGainOfCramped : kGainOfDrawing)) return;
     best_ = Way::kFilm;
-    if (film < kLegible && options_.dense_film) make_dense_film(film);
+    if (film >= kLegible) return;
+    if (options_.cramped && make_cramped(film)) return;
+    if (options_.dense_film) make_dense_film(film);
   }
 
   Way best() const { return best_; }
@@ -219,8 +222,10 @@ class Ways {
   void take(Way way) {
     std::function<void()> prefer;
     if (way != Way::kDense) prefer = [this] { film_is_in_the_way_ = true; };
+    // One that has room is not replaced by one without.
+    const bool may_be_full = !drawing_ && may_be_cramped(way, options_for(way, options_), picture_);
     std::shared_ptr<ColdFrame> made =
-        drawing_with_room(way, options_, picture_, colour_step_, drawing_ != nullptr, prefer);
+        drawing_with_room(way, options_, picture_, colour_step_, may_be_full, prefer);
     if (!made) return;
     drawing_ = std::move(made);
     best_ = way;
@@ -244,6 +249,17 @@ class Ways {
       film_ = made_in(Way::kFilm, options_, picture_, colour_step_, look);
     } catch (const CalledOff&) {
     }
+  }
+
+  /// If that is legible. @param film PSNR of the film, which is not. @return whether the drawing is kept.
+  bool make_cramped(double film) {
+    std::shared_ptr<ColdFrame> made =
+        drawing_with_room(Way::kCramped, options_, picture_, colour_step_, true, {});
+    if (!made || psnr_as_drawn(made->frame, picture_) < std::max(kLegible, film + kGainOfCramped))
+      return false;
+    drawing_ = std::move(made);
+    best_ = Way::kCramped;
+    return true;
   }
 
   /// @param film PSNR of the other.
@@ -280,15 +296,18 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const Co
 
 std::shared_ptr<ColdFrame> make_drawn_frame(const image::Image& picture, const ColdOptions& options,
                                             const FittedFrame& group, double colour_step) {
-  const Way way = group.dense ? Way::kDense : group.drawn->fine_grid ? Way::kDrawn : Way::kPlain;
+  const Way way = group.cramped            ? Way::kCramped
+                  : group.dense            ? Way::kDense
+                  : group.drawn->fine_grid ? Way::kDrawn
+                                           : Way::kPlain;
   std::shared_ptr<ColdFrame> made = made_in(way, options, picture, colour_step);
-  if (way == Way::kDense || has_room(*made, *options.drawn, picture)) return made;
+  if (is_dense(way) || has_room(*made, *options.drawn, picture)) return made;
   const auto take_if_better = [&](const std::shared_ptr<ColdFrame>& other) {
     if (other && worth(*other, picture) >= worth(*made, picture) + kGainOfDrawing) made = other;
   };
   if (way == Way::kDrawn && is_poor(*made, *options.drawn, picture))
     take_if_better(made_in(Way::kPlain, options, picture, colour_step));
-  if (options.dense) take_if_better(drawing_with_room(Way::kDense, options, picture, colour_step, true, {}));
+  if (options.dense) take_if_better(drawing_with_room(Way::kDense, options, picture, colour_step, false, {}));
   return made;
 }
 

@@ -33,7 +33,8 @@ struct FittedFrame {
   std::shared_ptr<const spline::PixelSurface> surface;  ///< at what was seen
   /// Of one that is drawn: the features of the next one are found in its picture.
   std::optional<FeatureLimits> drawn;
-  bool dense = false;  ///< by TrackOptions::dense, or dense_film
+  bool dense = false;    ///< by TrackOptions::dense, dense_film or cramped
+  bool cramped = false;  ///< by that
 
   // Of warm frames, while parts of the picture rest (docs/decisions/0027); else empty.
   std::vector<std::uint64_t> prints;  ///< spline::function_fingerprints()

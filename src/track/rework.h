@@ -65,7 +65,7 @@ class Rework {
   vectorize::Options cold_;
   TrackOptions options_;
   Settling settling_;
-  bool is_dense_ = false;            ///< the group: by TrackOptions::dense or dense_film
+  bool is_dense_ = false;            ///< the group: FittedFrame::dense
   std::size_t first_functions_ = 0;  ///< of the group
   std::size_t group_functions_ = 0;
   double group_features_ = 0;  ///< length of the feature polylines at its start, pixels

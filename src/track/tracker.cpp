@@ -85,6 +85,7 @@ FittedFrame handed_over(FittedFrame& frame) {
   next.edge_softness = frame.edge_softness;
   next.drawn = frame.drawn;
   next.dense = frame.dense;
+  next.cramped = frame.cramped;
   FittedFrame before = std::exchange(frame, std::move(next));
   before.basis.reset();
   if (before.prints.empty()) {  // nobody will look for what is the same
@@ -157,11 +158,13 @@ class Tracker::Impl {
 
  private:
   ColdOptions cold_options() const {
-    return {cold_, options_.drawn.get(), options_.dense.get(), options_.dense_film.get()};
+    return {cold_, options_.drawn.get(), options_.dense.get(), options_.dense_film.get(),
+            options_.cramped.get()};
   }
 
   /// Those of the group.
   const vectorize::Options& group_options() const {
+    if (frame_.cramped) return *options_.cramped;
     if (frame_.drawn) return frame_.dense ? *options_.dense : *options_.drawn;
     return frame_.dense ? *options_.dense_film : cold_;
   }

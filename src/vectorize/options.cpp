@@ -16,6 +16,8 @@ constexpr double kShareOfDrawings = 0.1;
 constexpr double kMostOfPage = 0.4;
 constexpr std::size_t kMostOfDrawings = 200'000;
 constexpr std::size_t kMostOfSmallDense = 50'000;
+constexpr double kShareOfSmallCramped = 0.3;
+constexpr std::size_t kMostOfSmallCramped = 75'000;
 
 std::size_t share_of(std::uint64_t pixels, double share) {
   return std::max<std::size_t>(256, static_cast<std::size_t>(share * static_cast<double>(pixels)));
@@ -63,6 +65,11 @@ std::size_t default_dense_video_control_points(std::uint64_t pixels) {
 std::size_t default_dense_drawn_video_control_points(std::uint64_t pixels) {
   return std::max(default_dense_video_control_points(pixels),
                   std::min(kMostOfSmallDense, share_of(pixels, kShareOfSmall)));
+}
+
+std::size_t default_cramped_video_control_points(std::uint64_t pixels) {
+  return std::max(default_dense_drawn_video_control_points(pixels),
+                  std::min(kMostOfSmallCramped, share_of(pixels, kShareOfSmallCramped)));
 }
 
 std::size_t most_control_points(const Options& options, const image::Image& picture) {

@@ -116,6 +116,7 @@ TEST_F(CliVideo, DrawnFramesCanBeMadeAsFilm) {
   EXPECT_EQ(film["tracking"]["drawn_max_control_points"], 0);
   EXPECT_EQ(drawn["tracking"]["dense_max_control_points"], 0) << "the bound is given";
   EXPECT_EQ(drawn["tracking"]["dense_film_max_control_points"], 0);
+  EXPECT_EQ(drawn["tracking"]["cramped_max_control_points"], 0);
   EXPECT_EQ(drawn["tracking"]["drawn_fine_grid"], true);
   EXPECT_EQ(stats({"--fine-grid", "none"})["tracking"]["drawn_fine_grid"], false);
 }
@@ -139,7 +140,9 @@ TEST_F(CliVideo, SmallVideosHaveMoreControlPointsAndDrawnOnesMore) {
   const json fast = stats_of(path("drawn_%d.png"), path("stats.json"), {"--preset", "fast"});
   EXPECT_EQ(drawn["tracking"]["dense_film_max_control_points"], 120 * 90 / 5);
   EXPECT_EQ(fast["tracking"]["dense_max_control_points"], 0);
+  EXPECT_EQ(drawn["tracking"]["cramped_max_control_points"], 120 * 90 * 3 / 10);
   EXPECT_EQ(fast["tracking"]["dense_film_max_control_points"], 0);
+  EXPECT_EQ(fast["tracking"]["cramped_max_control_points"], 0);
   for (const json& f : film["frames"]) EXPECT_LE(f["control_points"], 1500) << f;
   EXPECT_GT(test::json_psnr(drawn), test::json_psnr(film) + 6);
 }

@@ -417,6 +417,59 @@ TEST(ColdFrame, ADrawingWithoutRoomIsDenseAsFilmIfItCannotBeSeenElse) {
   EXPECT_FALSE(seen->frame.dense);
 }
 
+/// With shades between them, which ask for control points, too.
+image::Image shaded_squares() {
+  image::Image squares = many_squares();
+  for (int y = 0; y < squares.height; ++y) {
+    for (int x = 0; x < squares.width; ++x) {
+      const double shade = 15 + 15 * std::sin(0.25 * x) * std::sin(0.25 * y);
+      for (int c = 0; c < 3; ++c) squares.at(x, y, c) -= static_cast<float>(shade);
+    }
+  }
+  return squares;
+}
+
+/// Frames behind it will often have no room, but they can be seen.
+TEST(ColdFrame, ADrawingIsCrampedIfItCannotBeSeenElse) {
+  const vectorize::Options film = vectorize::video_options(picture_options(400));
+  const vectorize::Options drawn = vectorize::drawn_video_options(picture_options(400));
+  const auto cold = [&](const image::Image& picture, std::size_t most) {
+    const vectorize::Options cramped = vectorize::drawn_video_options(picture_options(most));
+    return make_cold_frame(picture, {film, &drawn, nullptr, nullptr, &cramped}, 2);
+  };
+  const image::Image squares = shaded_squares();
+  const auto cramped = cold(squares, 6000);
+  ASSERT_TRUE(cramped->frame.drawn);
+  EXPECT_TRUE(cramped->frame.dense);
+  EXPECT_TRUE(cramped->frame.cramped);
+  EXPECT_GT(cramped->frame.space->function_count(), 5800U);
+  EXPECT_GE(psnr_as_drawn(cramped->frame, squares), kLegible);
+  EXPECT_FALSE(cold(squares, 3000)->frame.drawn) << "not even its features have room";
+  image::Image faint = squares;
+  for (float& sample : faint.samples) sample = 220 + sample / 16;
+  EXPECT_FALSE(cold(faint, 6000)->frame.drawn) << "it can be seen as film";
+}
+
+TEST(DrawnFrames, ThatAreCrampedStaySo) {
+  TrackOptions options = drawn_options(400);
+  const auto bound = [](std::size_t most) {
+    return std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(picture_options(most)));
+  };
+  options.dense = bound(3000);
+  options.cramped = bound(6000);
+  options.drift = 100;
+  std::vector<image::Image> pictures(3, shaded_squares());
+  for (std::size_t i = 1; i < pictures.size(); ++i) {
+    for (float& sample : pictures[i].samples) sample -= float(i);
+  }
+  const Tracked run = track(pictures, options, 400);
+  for (const FrameReport& report : run.reports) {
+    EXPECT_EQ(report.start == Start::kWarm, &report != &run.reports.front());
+    EXPECT_GT(report.control_points, 5000U);
+    EXPECT_LE(report.control_points, 6000U);
+  }
+}
+
 /// It can be seen at first, and then no more.
 TEST(DrawnFrames, FilmOfADrawingBecomesDenseInItsMidst) {
   TrackOptions options = drawn_options(400);

@@ -456,6 +456,9 @@ TEST(Vectorize, SmallVideosMayHaveMoreControlPoints) {
   EXPECT_EQ(default_dense_video_control_points(4000 * 3000), 240000U) << "2 % are more than 200,000";
   EXPECT_EQ(default_dense_drawn_video_control_points(640 * 360), 46080U);
   EXPECT_EQ(default_dense_drawn_video_control_points(854 * 480), 50000U);
+  EXPECT_EQ(default_cramped_video_control_points(640 * 360), 69120U);
+  EXPECT_EQ(default_cramped_video_control_points(854 * 480), 75000U);
+  EXPECT_EQ(default_cramped_video_control_points(1280 * 720), 92160U);
   EXPECT_EQ(default_dense_drawn_video_control_points(1280 * 720), 92160U);
 }
 

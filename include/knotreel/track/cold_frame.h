@@ -16,6 +16,7 @@ struct ColdOptions {
   const vectorize::Options* drawn = nullptr;       ///< TrackOptions::drawn
   const vectorize::Options* dense = nullptr;       ///< TrackOptions::dense
   const vectorize::Options* dense_film = nullptr;  ///< TrackOptions::dense_film
+  const vectorize::Options* cramped = nullptr;     ///< TrackOptions::cramped
 };
 
 /// Nearly all the work of a cold frame. It needs nothing of other frames, so it may be done for several

@@ -144,6 +144,10 @@ std::size_t default_dense_video_control_points(std::uint64_t pixels);
 /// that fill their bound are made anew again and again (docs/decisions/0049).
 std::size_t default_dense_drawn_video_control_points(std::uint64_t pixels);
 
+/// Of drawn frames that fill these and would be illegible else, such as spreadsheets: 30 % of small ones, up
+/// to 75,000 (docs/decisions/0050).
+std::size_t default_cramped_video_control_points(std::uint64_t pixels);
+
 /// Those that a model may have at most: what the options say, or as many as by default.
 std::size_t most_control_points(const Options& options, const image::Image& picture);
 
