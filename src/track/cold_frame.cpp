@@ -199,8 +199,8 @@ class Ways {
     if (drawing_ && drawing_is_better(film, is_cramped ? kGainOfCramped : kGainOfDrawing)) return;
     best_ = Way::kFilm;
     if (film >= kLegible) return;
-    if (options_.cramped && make_cramped(film)) return;
-    if (options_.dense_film) make_dense_film(film);
+    if (options_.dense_film && make_dense_film(film) >= kLegible) return;
+    if (options_.cramped) make_cramped(film);
   }
 
   Way best() const { return best_; }
@@ -251,23 +251,23 @@ class Ways {
     }
   }
 
-  /// If that is legible. @param film PSNR of the film, which is not. @return whether the drawing is kept.
-  bool make_cramped(double film) {
+  /// Kept if that is legible. @param film PSNR of the film, which is not.
+  void make_cramped(double film) {
     std::shared_ptr<ColdFrame> made =
         drawing_with_room(Way::kCramped, options_, picture_, colour_step_, true, {});
-    if (!made || psnr_as_drawn(made->frame, picture_) < std::max(kLegible, film + kGainOfCramped))
-      return false;
+    if (!made || psnr_as_drawn(made->frame, picture_) < std::max(kLegible, film + kGainOfCramped)) return;
     drawing_ = std::move(made);
     best_ = Way::kCramped;
-    return true;
   }
 
-  /// @param film PSNR of the other.
-  void make_dense_film(double film) {
+  /// Kept if that is better. @param film PSNR of the other. @return PSNR of what is kept.
+  double make_dense_film(double film) {
     std::shared_ptr<ColdFrame> dense = made_in(Way::kDenseFilm, options_, picture_, colour_step_);
-    if (psnr_as_drawn(dense->frame, picture_) < film + kGainOfDense) return;
+    const double psnr = psnr_as_drawn(dense->frame, picture_);
+    if (psnr < film + kGainOfDense) return film;
     film_ = std::move(dense);
     best_ = Way::kDenseFilm;
+    return psnr;
   }
 
   const image::Image& picture_;

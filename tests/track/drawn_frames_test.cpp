@@ -448,6 +448,19 @@ TEST(ColdFrame, ADrawingIsCrampedIfItCannotBeSeenElse) {
   image::Image faint = squares;
   for (float& sample : faint.samples) sample = 220 + sample / 16;
   EXPECT_FALSE(cold(faint, 6000)->frame.drawn) << "it can be seen as film";
+  // As dense film it is cheaper, if it can be seen so.
+  image::Image medium = squares;
+  for (float& sample : medium.samples) sample = 200 + sample / 6;
+  const auto medium_cold = [&](std::size_t most) {
+    const vectorize::Options dense_film = vectorize::video_options(picture_options(most));
+    const vectorize::Options larger = vectorize::drawn_video_options(picture_options(6000));
+    return make_cold_frame(medium, {film, &drawn, nullptr, &dense_film, &larger}, 2)->frame;
+  };
+  EXPECT_TRUE(medium_cold(420).cramped);
+  const FittedFrame seen = medium_cold(4000);
+  EXPECT_GE(psnr_as_drawn(seen, medium), kLegible);
+  EXPECT_FALSE(seen.drawn);
+  EXPECT_TRUE(seen.dense);
 }
 
 TEST(DrawnFrames, ThatAreCrampedStaySo) {
