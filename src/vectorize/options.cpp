@@ -135,7 +135,8 @@ Options video_options(Options picture) {
 }
 
 Options drawn_video_options(Options picture) {
-  picture.clear_inside = false;  // 0.1 dB worse there
+  picture.clear_inside = false;       // 0.1 dB worse there
+  picture.room_for_features = false;  // a group has one bound
   if (picture.fine_grid == FineGrid::kAll) picture.fine_grid = FineGrid::kDrawings;
   picture.fine_smoothing = 1;
   picture.noisy_smoothing = 1.2;

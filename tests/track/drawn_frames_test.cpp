@@ -463,6 +463,21 @@ TEST(ColdFrame, ADrawingIsCrampedIfItCannotBeSeenElse) {
   EXPECT_TRUE(seen.dense);
 }
 
+/// In one group, while the pictures become darker by a level each, and have more than `least` control points.
+void expect_to_stay_within(TrackOptions options, std::vector<image::Image> pictures, std::size_t least,
+                           std::size_t most) {
+  options.drift = 100;
+  for (std::size_t i = 1; i < pictures.size(); ++i) {
+    for (float& sample : pictures[i].samples) sample -= float(i);
+  }
+  const Tracked run = track(pictures, options, 400);
+  for (const FrameReport& report : run.reports) {
+    EXPECT_EQ(report.start == Start::kWarm, &report != &run.reports.front());
+    EXPECT_GT(report.control_points, least);
+    EXPECT_LE(report.control_points, most);
+  }
+}
+
 TEST(DrawnFrames, ThatAreCrampedStaySo) {
   TrackOptions options = drawn_options(400);
   const auto bound = [](std::size_t most) {
@@ -470,17 +485,7 @@ TEST(DrawnFrames, ThatAreCrampedStaySo) {
   };
   options.dense = bound(3000);
   options.cramped = bound(6000);
-  options.drift = 100;
-  std::vector<image::Image> pictures(3, shaded_squares());
-  for (std::size_t i = 1; i < pictures.size(); ++i) {
-    for (float& sample : pictures[i].samples) sample -= float(i);
-  }
-  const Tracked run = track(pictures, options, 400);
-  for (const FrameReport& report : run.reports) {
-    EXPECT_EQ(report.start == Start::kWarm, &report != &run.reports.front());
-    EXPECT_GT(report.control_points, 5000U);
-    EXPECT_LE(report.control_points, 6000U);
-  }
+  expect_to_stay_within(options, std::vector(3, shaded_squares()), 5000, 6000);
 }
 
 /// It can be seen at first, and then no more.
@@ -505,17 +510,7 @@ TEST(DrawnFrames, ThatAreDenseAsFilmStayDense) {
   TrackOptions options = drawn_options(400);
   options.dense_film =
       std::make_shared<const vectorize::Options>(vectorize::video_options(picture_options(1500)));
-  options.drift = 100;
-  std::vector<image::Image> pictures(4, many_squares());
-  for (std::size_t i = 1; i < pictures.size(); ++i) {
-    for (float& sample : pictures[i].samples) sample -= float(i);
-  }
-  const Tracked run = track(pictures, options, 400);
-  for (const FrameReport& report : run.reports) {
-    EXPECT_EQ(report.start == Start::kWarm, &report != &run.reports.front());
-    EXPECT_GT(report.control_points, 1000U);
-    EXPECT_LE(report.control_points, 1500U);
-  }
+  expect_to_stay_within(options, std::vector(4, many_squares()), 1000, 1500);
 }
 
 /// A bound that is a good part of the pixels is there to be filled.

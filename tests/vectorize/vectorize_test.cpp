@@ -627,6 +627,7 @@ TEST(VideoOptions, DrawnFramesHaveWhatPicturesHaveButForNoiseAndWeakFeatures) {
   EXPECT_FALSE(drawn.clear_inside);
   EXPECT_EQ(drawn.mixed_weight, picture.mixed_weight);
   EXPECT_EQ(drawn.feature_share, picture.feature_share);
+  EXPECT_FALSE(drawn.room_for_features);
   EXPECT_EQ(drawn.mec, 1.5);
   EXPECT_EQ(drawn.drawn_threshold, picture.drawn_threshold);
   EXPECT_GT(drawn.noisy_smoothing, drawn.fine_smoothing) << "codecs leave faint traces";

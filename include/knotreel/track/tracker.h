@@ -32,8 +32,8 @@ struct TrackOptions {
   /// As the film options, with a larger bound, for drawings whose features have no room in any other and that
   /// would be illegible: pages of small text. Groups as those of `dense`. Null: none are.
   std::shared_ptr<const vectorize::Options> dense_film = nullptr;
-  /// Of drawings that would be illegible as film, and have no room by dense: if all features have room in
-  /// this larger bound, they may fill it. The same as drawn in all else; null: as dense_film.
+  /// As `drawn`, with a bound of at least that of `dense`, for drawings that would be illegible even by
+  /// `dense_film`: if all of their features have room in it, they may fill it. Null: none are.
   std::shared_ptr<const vectorize::Options> cramped = nullptr;
   bool warm_start = true;  ///< false: every frame is made from its picture alone
   /// Share of what the frame before missed that this one is not asked to mend, along motion, 0 to 1: keeps
