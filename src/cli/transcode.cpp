@@ -101,9 +101,10 @@ void add_transcode_command(CLI::App& program) {
   command->option_defaults()->group("Video");
   add_tracking_options(*command, arguments->run.tracking, arguments->run.no_drawn_frames);
   command->option_defaults()->group("Options");
-  add_vectorize_options(*command, arguments->run.options,
-                        "2%, of small videos 20% up to 1500;\nof drawn frames 2%, or 20% up to 3000,\nor 10% "
-                        "(20% up to 50,000, 30% up to 75,000)\nif their outlines ask for it");
+  add_vectorize_options(
+      *command, arguments->run.options,
+      "2%, of small videos 20% up to 1500,\nup to 10% with captions; of drawn frames 2%,\n"
+      "or 20% up to 3000, or 10% (20% up to 50,000,\n30% up to 75,000) if their outlines ask for it");
   command->footer(kTranscodeFooter);
   command->callback([arguments] { transcode(*arguments); });
 }

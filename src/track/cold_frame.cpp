@@ -281,10 +281,20 @@ class Ways {
 
 }  // namespace
 
+std::size_t most_for_film(const image::Image& picture, const vectorize::Options& film,
+                          const vectorize::Options* dense_film) {
+  const std::size_t usual = vectorize::most_control_points(film, picture);
+  if (!dense_film) return usual;
+  return vectorize::with_captions(picture, usual, vectorize::most_control_points(*dense_film, picture));
+}
+
 std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const ColdOptions& options,
                                            double colour_step, const vectorize::Observer& observer) {
-  if (!options.drawn || !features::is_drawing(picture))
-    return made_in(Way::kFilm, options, picture, colour_step, observer);
+  if (!options.drawn || !features::is_drawing(picture)) {
+    vectorize::Options film = options.film;
+    film.max_control_points = most_for_film(picture, options.film, options.dense_film);
+    return made_in(Way::kFilm, {film}, picture, colour_step, observer);
+  }
   const Clock::time_point start = Clock::now();
   const Ways ways(picture, options, colour_step);
   // What is watched is what is kept, at the price of doing it twice.

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
 #include <string>
 #include <utility>
@@ -18,6 +19,12 @@ struct ColdFrame {
   bool features_dropped = false;                             ///< as vectorize::Report
   std::vector<std::pair<std::string, double>> milliseconds;  ///< per stage, in order
 };
+
+/// Control points of a frame of film: more, up to as many as dense film may have, where captions ask for
+/// them.
+/// @param dense_film null: no more.
+std::size_t most_for_film(const image::Image& picture, const vectorize::Options& film,
+                          const vectorize::Options* dense_film);
 
 /// Of a drawing in a group of drawings: as film it was tried in the first frame. It is as the group is,
 /// unless it would be poor for want of control points and is better on the plain grid, or densely.

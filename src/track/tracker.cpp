@@ -183,13 +183,18 @@ class Tracker::Impl {
     laps_->add(cold.milliseconds);
   }
 
-  /// As the first frame of the group was, so may be those behind it.
+  /// As the first frame of the group was, so may be those behind it; but captions may come.
   void count_most_functions(const image::Image& picture) {
     most_functions_ = vectorize::most_control_points(group_options(), picture);
+    if (frame_.drawn || frame_.dense) return;
+    const std::size_t most = most_for_film(picture, cold_, options_.dense_film.get());
+    if (most > captioned_ && !features::is_drawing(picture)) captioned_ = most;
+    most_functions_ = std::max(most_functions_, captioned_);
   }
 
   void start_group(const image::Image& picture) {
     if (!frame_.drawn) drawn_.reset();  // of a frame that was thrown away, or of the group before
+    captioned_ = 0;
     count_most_functions(picture);
     measure();
     watch_.start_group(report_->psnr, report_->start, frame_.dense);
@@ -502,7 +507,8 @@ class Tracker::Impl {
   image::Image first_picture_;  ///< of the group, until there is a target of it; if warm frames may follow
   bool last_is_urgent_ = false;
   std::size_t most_functions_ = 0;
-  int since_softness_ = 0;  ///< frames
+  std::size_t captioned_ = 0;  ///< of these, most that captions of film asked for in the group
+  int since_softness_ = 0;     ///< frames
 };
 
 Tracker::Tracker(const vectorize::Options& cold, const TrackOptions& options, Start first)

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "knotreel/features/captions.h"
 #include "knotreel/features/flat_share.h"
 
 namespace knotreel::vectorize {
@@ -37,10 +38,16 @@ double share_of_drawing(const image::Image& picture) {
 
 }  // namespace
 
+std::size_t with_captions(const image::Image& picture, std::size_t usual, std::size_t most) {
+  return std::max(usual, std::min(most, usual + features::caption_pixels(picture)));
+}
+
 std::size_t default_control_points(const image::Image& picture) {
   const std::uint64_t pixels = picture.pixel_count();
   const std::size_t of_any = share_or_more(pixels, 0.0275, kMostOfSmall);
-  if (of_any >= kMostOfDrawings || !features::is_drawing(picture)) return of_any;
+  if (of_any >= kMostOfDrawings) return of_any;
+  if (!features::is_drawing(picture))
+    return with_captions(picture, of_any, std::min(kMostOfDrawings, share_of(pixels, kShareOfDrawings)));
   return std::max(of_any, std::min(kMostOfDrawings, share_of(pixels, share_of_drawing(picture))));
 }
 

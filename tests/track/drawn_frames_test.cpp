@@ -506,6 +506,40 @@ TEST(DrawnFrames, FilmOfADrawingBecomesDenseInItsMidst) {
   EXPECT_GT(dense.back().psnr, film.back().psnr + 3);
 }
 
+/// Film with grain, and letters over it: rings, antialiased by 4 x 4 samples per pixel.
+image::Image film_with_captions(int rows_of_rings, unsigned seed) {
+  std::mt19937 random(seed);
+  std::normal_distribution<float> grain(0, 3);
+  image::Image film = image::make_image(160, 128, 1);
+  for (int y = 0; y < film.height; ++y) {
+    for (int x = 0; x < film.width; ++x) {
+      int ink = 0;
+      for (int s = 0; s < 16 && y >= film.height - 16 * rows_of_rings; ++s) {
+        const double r = std::hypot(x % 16 + s % 4 / 4.0 - 7.6, y % 16 + s / 4 / 4.0 - 7.6);
+        ink += r > 3.5 && r < 6 ? 1 : 0;
+      }
+      const float ground = 80 + 30 * float(std::sin(x / 25.0) * std::cos(y / 21.0)) + grain(random);
+      film.at(x, y, 0) = ground + float(ink) / 16 * (255 - ground);
+    }
+  }
+  return film;
+}
+
+TEST(Film, HasRoomForCaptionsThatCome) {
+  std::vector<image::Image> pictures;
+  for (unsigned i = 0; i < 6; ++i) pictures.push_back(film_with_captions(i < 2 ? 0 : 2, i));
+  TrackOptions options = drawn_options(300);
+  const std::vector<FrameReport> plain = track(pictures, options, 300).reports;
+  for (const FrameReport& report : plain) EXPECT_LE(report.control_points, 300U);
+  options.dense_film =
+      std::make_shared<const vectorize::Options>(vectorize::video_options(picture_options(900)));
+  const std::vector<FrameReport> roomy = track(pictures, options, 300).reports;
+  for (std::size_t i : {0U, 1U}) EXPECT_LE(roomy[i].control_points, 300U) << "nothing came so far";
+  EXPECT_GT(roomy.back().control_points, 500U);
+  EXPECT_LE(roomy.back().control_points, 900U);
+  EXPECT_GT(roomy.back().psnr, plain.back().psnr + 3);
+}
+
 TEST(DrawnFrames, ThatAreDenseAsFilmStayDense) {
   TrackOptions options = drawn_options(400);
   options.dense_film =

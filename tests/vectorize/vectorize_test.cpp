@@ -8,6 +8,8 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/document/writer.h"
+#include "knotreel/features/captions.h"
+#include "knotreel/features/flat_share.h"
 #include "support/pictures.h"
 #include "vectorize/scenes.h"
 
@@ -440,6 +442,26 @@ TEST(Vectorize, DenseDrawingsMayHaveEvenMore) {
   EXPECT_EQ(default_control_points_with_features(bars(6)), 48000U);
   EXPECT_EQ(default_control_points_with_features(image::make_image(1000, 800, 1)), 200000U);
   EXPECT_EQ(default_control_points_with_features(image::make_image(4000, 2000, 1)), 220000U);
+}
+
+TEST(Vectorize, PhotographsWithCaptionsMayHaveMoreControlPoints) {
+  image::Image photograph = noise_picture(400, 300);
+  for (float& sample : photograph.samples) sample = 100 + sample / 8;
+  EXPECT_EQ(default_control_points(photograph), 3300U);
+  // Strokes of three pixels, both ways, on a part of it.
+  const auto write = [&](int rows) {
+    for (int y = 0; y < rows; ++y)
+      for (int x = 0; x < 400; ++x) photograph.at(x, y, 0) = x % 9 < 3 || y % 9 < 3 ? 255 : 20;
+  };
+  write(16);
+  const std::size_t captions = features::caption_pixels(photograph);
+  ASSERT_GT(captions, 1000U);
+  EXPECT_EQ(default_control_points(photograph), 3300U + captions);
+  EXPECT_EQ(with_captions(photograph, 2000, 2500), 2500U);
+  EXPECT_EQ(with_captions(photograph, 2000, 1000), 2000U);
+  write(100);
+  ASSERT_FALSE(features::is_drawing(photograph));
+  EXPECT_EQ(default_control_points(photograph), 12000U) << "10 % of the pixels";
 }
 
 TEST(Vectorize, SmallVideosMayHaveMoreControlPoints) {

@@ -117,11 +117,17 @@ struct Options {
   double displacement_step = document::EncodeOptions{}.displacement_step;  ///< pixels
 };
 
+/// As many as usual and, for a photograph or film, what letters written over it ask for besides: one for each
+/// of features::caption_pixels() (docs/decisions/0051).
+/// @param most in all, if that is more than usual.
+std::size_t with_captions(const image::Image& picture, std::size_t usual, std::size_t most);
+
 /// 2.75 % of the pixels: for photographs about 0.75 bytes per pixel by raw_accounting_bytes(). Of icons and
 /// other small pictures 20 %, up to 3000, but at least 256: each of their pixels tells more
 /// (docs/decisions/0037). Of drawings (features::is_drawing()) 10 %, and 2 % more for each percent of the
 /// pixels that is not flat (features::flat_share()) beyond a quarter, up to 200,000: most need far fewer, and
-/// where there is small text nothing else keeps it legible (docs/decisions/0036, 0039).
+/// where there is small text nothing else keeps it legible (docs/decisions/0036, 0039). Of others up to 10 %
+/// with_captions().
 std::size_t default_control_points(const image::Image& picture);
 
 /// Where that has no room for the features of a drawing (docs/decisions/0050): 40 % of the pixels, up to
