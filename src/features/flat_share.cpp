@@ -21,6 +21,9 @@ struct Differences {
   std::size_t sharp = 0;  ///< those of the large ones that are above kSharp
 
   std::size_t count() const { return flat + small + large; }
+  double sharpness() const {
+    return static_cast<double>(sharp) / static_cast<double>(std::max<std::size_t>(1, large - sharp));
+  }
 };
 
 constexpr float kFlat = 1;  // levels
@@ -36,10 +39,7 @@ double flat_share(const Differences& differences) {
 /// many large differences are sharp as are not.
 double drawn_score(const Differences& differences) {
   constexpr double kOfSharpEdges = 0.2;
-  const std::size_t medium = differences.large - differences.sharp;
-  const double sharpness =
-      static_cast<double>(differences.sharp) / static_cast<double>(std::max<std::size_t>(1, medium));
-  return flat_share(differences) + kOfSharpEdges * std::min(1.0, sharpness);
+  return flat_share(differences) + kOfSharpEdges * std::min(1.0, differences.sharpness());
 }
 
 /// Without the pixels at the sides.
@@ -70,11 +70,10 @@ Differences differences_of(const image::Image& image) {
                          });
 }
 
-/// Share of the pixels that have one of the three most frequent colours, to 8 levels: what pages are drawn
-/// on. Not black, of which films have bars. Of large pictures some rows are enough.
-double ground_share(const image::Image& image) {
+/// Share of the pixels that have one of so many most frequent colours, to 8 levels: what pages are drawn on.
+/// Not black, of which films have bars. Of large pictures some rows are enough.
+double ground_share(const image::Image& image, std::ptrdiff_t grounds) {
   constexpr int kBits = 5;  // of a channel
-  constexpr std::ptrdiff_t kGrounds = 3;
   constexpr int kRows = 512;
   const int colours = std::min(image.channels, 3);
   std::vector<std::size_t> counts(std::size_t{1} << (kBits * colours));
@@ -90,9 +89,22 @@ double ground_share(const image::Image& image) {
     }
   }
   counts[0] = 0;
-  std::ranges::partial_sort(counts, counts.begin() + kGrounds, std::greater<>());
-  const std::size_t ground = std::accumulate(counts.begin(), counts.begin() + kGrounds, std::size_t{0});
+  std::ranges::partial_sort(counts, counts.begin() + grounds, std::greater<>());
+  const std::size_t ground = std::accumulate(counts.begin(), counts.begin() + grounds, std::size_t{0});
   return static_cast<double>(ground) / static_cast<double>(std::max<std::size_t>(1, pixels));
+}
+
+struct FullPage {
+  double score;
+  double sharpness;
+  double ground;  ///< share of two colours; 0.39 and less in films
+};
+
+/// Where a page is full of lines, hardly any of its pixels are flat; but all of its edges are sharp, and the
+/// paper has one colour, or paper and ink have two.
+bool is_full_page(const image::Image& image, const Differences& differences, const FullPage& least) {
+  return drawn_score(differences) >= least.score && differences.sharpness() >= least.sharpness &&
+         ground_share(image, 2) >= least.ground;
 }
 
 }  // namespace
@@ -109,12 +121,15 @@ bool is_drawing(const image::Image& image) {
   const Differences differences = differences_of(image);
   const double score = drawn_score(differences);
   if (flat_share(differences) >= kDrawnShare || score >= kDrawnScore) return true;
-  return score >= kScoreOfPage && ground_share(image) >= kGroundOfPage;
+  if (score >= kScoreOfPage && ground_share(image, 3) >= kGroundOfPage) return true;
+  return is_full_page(image, differences, {.score = 0.22, .sharpness = 0.2, .ground = 0.43});
 }
 
 bool may_be_drawing(const image::Image& image) {
   constexpr double kLeastScore = 0.42;
-  return drawn_score(differences_of(image)) >= kLeastScore;
+  const Differences differences = differences_of(image);
+  if (drawn_score(differences) >= kLeastScore) return true;
+  return is_full_page(image, differences, {.score = 0.19, .sharpness = 0.17, .ground = 0.41});
 }
 
 bool is_clean(const image::Image& image) {

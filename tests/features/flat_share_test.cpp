@@ -80,6 +80,25 @@ TEST(FlatShare, PagesAreToldFromFilmsByTheirGround) {
   EXPECT_FALSE(is_drawing(bars));
 }
 
+/// An engraving: lines of two pixels, so many rows apart.
+/// @param slope of the paper, levels per column.
+image::Image engraving(int distance, double ink = 20, double slope = 0) {
+  return testing::draw(100, 100, [=](double x, double y) {
+    return int(y) % distance < 2 ? ink : 230 - slope * std::floor(x);
+  });
+}
+
+TEST(FlatShare, DrawingsMayBeFullOfLines) {
+  EXPECT_LT(flat_share(engraving(5)), 0.25);
+  EXPECT_TRUE(is_drawing(engraving(5)));
+  EXPECT_TRUE(is_drawing(engraving(5, 0))) << "black ink, which is no ground";
+  EXPECT_FALSE(is_drawing(engraving(5, 0, 2))) << "paper has one colour";
+  EXPECT_FALSE(is_drawing(engraving(5, 200))) << "nothing is sharp";
+  EXPECT_FALSE(is_drawing(engraving(4))) << "nothing is flat";
+  EXPECT_TRUE(may_be_drawing(engraving(4)));
+  EXPECT_FALSE(may_be_drawing(engraving(4, 0, 2)));
+}
+
 TEST(FlatShare, LessIsAskedOfPicturesBehindDrawings) {
   SCOPED_TRACE(kNoiseSeed);
   EXPECT_TRUE(may_be_drawing(page_with_photograph(25, 200)));
