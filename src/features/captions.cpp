@@ -17,7 +17,8 @@ constexpr int kCell = 16;  // pixels
 constexpr std::size_t kSharpEachWay = 6;
 constexpr double kSharpShare = 0.3;     // of the steps of a cell
 constexpr double kMostSteps = 0.75;     // of its pixels: noise has more
-constexpr double kCaptionShare = 0.01;  // of the cells
+constexpr double kCaptionShare = 0.01;  // of the cells; what has so many more is screen tone or dithered
+constexpr double kMostCaptionShare = 0.4;
 
 /// Steps from a pixel to the next along the row, and along the column.
 struct Steps {
@@ -99,8 +100,8 @@ std::size_t caption_pixels(const image::Image& image) {
   const Count all = std::accumulate(rows.begin(), rows.end(), Count(), [](const Count& a, const Count& b) {
     return Count{a.cells + b.cells, a.pixels + b.pixels};
   });
-  const double cells = static_cast<double>(columns * rows.size());
-  return static_cast<double>(all.cells) < kCaptionShare * cells ? 0 : all.pixels;
+  const double share = static_cast<double>(all.cells) / static_cast<double>(columns * rows.size());
+  return share < kCaptionShare || share > kMostCaptionShare ? 0 : all.pixels;
 }
 
 }  // namespace knotreel::features

@@ -52,8 +52,9 @@ std::size_t default_control_points(const image::Image& picture) {
 }
 
 std::size_t default_control_points_with_features(const image::Image& picture) {
+  const double share = features::is_drawing(picture) ? kMostOfPage : kShareOfDrawings;
   return std::max(default_control_points(picture),
-                  std::min(kMostOfDrawings, share_of(picture.pixel_count(), kMostOfPage)));
+                  std::min(kMostOfDrawings, share_of(picture.pixel_count(), share)));
 }
 
 std::size_t default_video_control_points(std::uint64_t pixels) {

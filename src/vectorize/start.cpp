@@ -18,10 +18,11 @@ constexpr double kShareWithRoom = 0.6;  // for features then
 constexpr double kUsedByAll = 0.6;
 constexpr double kNoLimit = 2;  // that pixels tell of is up to twice what straight lines need
 
-/// Rather than soft edges and noise, which the smooth surface shows as well.
-bool are_missed(const DroppedFeatures& dropped) {
+/// Rather than soft edges and noise, which the smooth surface shows as well. Photographs, which are full of
+/// those, hardly ever lose strong ones.
+bool are_missed(const DroppedFeatures& dropped, bool drawing) {
   constexpr double kContrast = 100;  // levels, in the mean
-  return dropped.strong || dropped.mean_contrast() >= kContrast;
+  return dropped.strong || (drawing && dropped.mean_contrast() >= kContrast);
 }
 
 /// With features that may have this share of the control points or that. Two starts are never there at the
@@ -95,11 +96,12 @@ std::unique_ptr<Start> make_start(const Grid& grid, const Options& options, cons
   Starts starts(grid, options, bounds.usual, log);
   const Progress at_first = log.progress;
   std::unique_ptr<Start> start = starts.mapped(options.feature_share);
-  if (options.feature_share >= kShareWithRoom && features::is_drawing(grid.original)) {
-    if (start->mapped.dropped.strong) {
+  if (options.feature_share >= kShareWithRoom) {
+    const bool drawing = features::is_drawing(grid.original);
+    if (drawing && start->mapped.dropped.strong) {
       if (std::unique_ptr<Start> whole = starts.whole()) return whole;
     }
-    if (are_missed(start->mapped.dropped) && bounds.with_features > bounds.usual) {
+    if (are_missed(start->mapped.dropped, drawing) && bounds.with_features > bounds.usual) {
       start.reset();
       log.progress = at_first;
       starts.grow(bounds.with_features);

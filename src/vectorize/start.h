@@ -24,12 +24,12 @@ struct Start {
 /// Control points that a model may have.
 struct Bounds {
   std::size_t usual = 0;
-  std::size_t with_features = 0;  ///< where features of a drawing have no room otherwise; usual or more
+  std::size_t with_features = 0;  ///< where features have no room otherwise; usual or more
 };
 
 /// Features within their share of the control points, and the first knots. Where these leave room, all
-/// features may stay: a bound on their share keeps them from what the rest of the picture needs. Where those
-/// of a drawing are missed all the same, the bound grows (docs/decisions/0050).
+/// features may stay: a bound on their share keeps them from what the rest of the picture needs. Where some
+/// are missed all the same, the bound grows (docs/decisions/0050).
 /// @param options in pixels of the grid.
 std::unique_ptr<Start> make_start(const Grid& grid, const Options& options, const Bounds& bounds,
                                   RunLog& log);

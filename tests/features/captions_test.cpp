@@ -75,6 +75,11 @@ TEST(Captions, AMarkInACornerIsNone) {
   EXPECT_EQ(caption_pixels(mark(400, 320)), 0U);
 }
 
+TEST(Captions, WhatIsFullOfLettersIsNoFilm) {
+  EXPECT_GT(caption_pixels(captioned(3)), 0U);
+  EXPECT_EQ(caption_pixels(captioned(10, 255, 0)), 0U);
+}
+
 TEST(Captions, OneColourIsEnoughAndAlphaIsNoColour) {
   const image::Image grey = captioned(2);
   const std::size_t count = caption_pixels(grey);
@@ -115,7 +120,7 @@ std::size_t counted_slowly(const image::Image& image) {
       ++captions;
     }
   }
-  return captions < 0.01 * cells ? 0 : pixels;
+  return captions < 0.01 * cells || captions > 0.4 * cells ? 0 : pixels;
 }
 
 TEST(Captions, AreThoseOfTheObviousWay) {

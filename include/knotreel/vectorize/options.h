@@ -42,7 +42,7 @@ struct Options {
   int rounds = 3;                      ///< of fitting, each but the first after inserting knots; 1 or more
   std::size_t max_control_points = 0;  ///< upper bound; 0: default_control_points()
   /// Whether the bound by default grows to default_control_points_with_features() where it has no room for
-  /// the features of a drawing.
+  /// the features.
   bool room_for_features = true;
   /// Share of these that the first round may use, above 0, up to 1, if there are others: what is left, and
   /// what is idle, goes where that fit was worst.
@@ -130,8 +130,8 @@ std::size_t with_captions(const image::Image& picture, std::size_t usual, std::s
 /// with_captions().
 std::size_t default_control_points(const image::Image& picture);
 
-/// Where that has no room for the features of a drawing (docs/decisions/0050): 40 % of the pixels, up to
-/// 200,000, or as many as by default if that is more.
+/// Where that has no room for the features (docs/decisions/0050): 40 % of the pixels of a drawing, 10 % of
+/// others, up to 200,000, or as many as by default if that is more.
 std::size_t default_control_points_with_features(const image::Image& picture);
 
 /// 2 % of the pixels, but at least 256, of a frame of a video: it has less to give than a photograph, since
