@@ -136,6 +136,11 @@ Eigen::MatrixXd reduced_start(const RowMatrix& p, const Eigen::MatrixXd& x) {
   return z;
 }
 
+// To factor a system takes as long as some 20 steps where it is small, and as 80 where it is large.
+constexpr Eigen::Index kLarge = 10'000;
+constexpr int kFewSteps = 24;
+constexpr int kMoreSteps = 48;
+
 }  // namespace
 
 Eigen::MatrixXd solve_reduced(const Matrix& lower, const Matrix& p, const Eigen::MatrixXd& right,
@@ -144,7 +149,8 @@ Eigen::MatrixXd solve_reduced(const Matrix& lower, const Matrix& p, const Eigen:
   const Matrix reduced = reduce(lower, rows);
   if (start.size() > 0) {
     const std::optional<Eigen::MatrixXd> z = conjugate_gradients(
-        reduced, p.transpose() * right, reduced_start(rows, start), {.tolerance = tolerance});
+        reduced, p.transpose() * right, reduced_start(rows, start),
+        {.tolerance = tolerance, .most_steps = reduced.cols() < kLarge ? kFewSteps : kMoreSteps});
     if (z) return p * *z;
   }
   const Eigen::CholmodSimplicialLDLT<Matrix, Eigen::Lower> factor(reduced);
