@@ -540,6 +540,29 @@ TEST(Film, HasRoomForCaptionsThatCome) {
   EXPECT_GT(roomy.back().psnr, plain.back().psnr + 3);
 }
 
+TEST(Film, HasTheUsualRoomWhereCaptionsAreGone) {
+  TrackOptions options = drawn_options(300);
+  options.scene_threshold = 1;
+  options.drift = 100;
+  options.dense_film =
+      std::make_shared<const vectorize::Options>(vectorize::video_options(picture_options(900)));
+  Tracker tracker(vectorize::video_options(picture_options(300)), options);
+  const image::Image captioned = film_with_captions(2, 1), next = film_with_captions(0, 2);
+  FrameReport report;
+  tracker.next(captioned, nullptr, &report);
+  EXPECT_GT(report.control_points, 500U);
+  const Motion motion = motion_between(captioned, next);
+  tracker.next(next, &motion, &report);
+  ASSERT_EQ(report.start, Start::kWarm);
+  EXPECT_GT(report.control_points, 300U) << "they may come back";
+  tracker.next(film_with_captions(0, 3), nullptr, &report);  // another group
+  EXPECT_LE(report.control_points, 300U);
+  const image::Image still = film_with_captions(0, 4);
+  const Motion on = motion_between(film_with_captions(0, 3), still);
+  tracker.next(still, &on, &report);
+  EXPECT_LE(report.control_points, 300U);
+}
+
 TEST(DrawnFrames, ThatAreDenseAsFilmStayDense) {
   TrackOptions options = drawn_options(400);
   options.dense_film =

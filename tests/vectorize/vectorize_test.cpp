@@ -404,19 +404,45 @@ TEST(Vectorize, TheBoundGrowsWhereFeaturesOfDrawingsHaveNoRoom) {
   EXPECT_TRUE(fixed.model.colour == given.model.colour);
 }
 
-TEST(Vectorize, TheBoundStaysWhereFeaturesHaveRoom) {
-  const image::Image drawing = draw(300, 200, 3, [](double x, double y) {
-    return std::hypot(x - 110, y - 86) < 60 ? Colour{0, 0, 0, 0} : Colour{255, 255, 255, 0};
-  });
-  EXPECT_EQ(vectorize_picture(drawing).report.max_control_points, default_control_points(drawing));
-}
-
 image::Image noise_picture(int width, int height) {
   std::mt19937 random(3);
   std::uniform_real_distribution<float> noise(0, 255);
   image::Image picture = image::make_image(width, height, 1);
   for (float& sample : picture.samples) sample = noise(random);
   return picture;
+}
+
+/// A window of stained glass, with noise: panes of all colours between bars.
+image::Image glass(int width, int height, int pane) {
+  std::mt19937 random(5);
+  std::vector<Colour> colours(1000);
+  for (Colour& colour : colours)
+    for (double& c : colour) c = 120 + double(random() % 120);
+  image::Image picture = draw(width, height, 3, [&](double x, double y) {
+    const bool on_bar = std::fmod(x, pane) < 4 || std::fmod(y, pane) < 4;
+    return on_bar ? Colour{20, 20, 30, 0} : colours[std::size_t(x / pane) * 31 + std::size_t(y / pane)];
+  });
+  std::normal_distribution<float> noise(0, 4);
+  for (float& sample : picture.samples) sample += noise(random);
+  return picture;
+}
+
+TEST(Vectorize, TheBoundGrowsWherePhotographsLoseStrongFeatures) {
+  const image::Image window = glass(320, 240, 12);
+  ASSERT_FALSE(features::is_drawing(window));
+  ASSERT_EQ(features::caption_pixels(window), 0U);
+  const Vectorization grown = vectorize_picture(window);
+  EXPECT_EQ(default_control_points(window), 3000U);
+  EXPECT_EQ(grown.report.max_control_points, 320U * 240 / 10);
+  EXPECT_GT(grown.model.space->function_count(), 5000U);
+  EXPECT_LE(grown.model.space->function_count(), 320U * 240 / 10);
+}
+
+TEST(Vectorize, TheBoundStaysWhereFeaturesHaveRoom) {
+  const image::Image drawing = draw(300, 200, 3, [](double x, double y) {
+    return std::hypot(x - 110, y - 86) < 60 ? Colour{0, 0, 0, 0} : Colour{255, 255, 255, 0};
+  });
+  EXPECT_EQ(vectorize_picture(drawing).report.max_control_points, default_control_points(drawing));
 }
 
 TEST(Vectorize, DrawingsMayHaveMoreControlPoints) {
