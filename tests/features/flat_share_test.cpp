@@ -93,7 +93,7 @@ TEST(FlatShare, DrawingsMayBeFullOfLines) {
   EXPECT_TRUE(is_drawing(engraving(5)));
   EXPECT_TRUE(is_drawing(engraving(5, 0))) << "black ink, which is no ground";
   EXPECT_FALSE(is_drawing(engraving(5, 0, 2))) << "paper has one colour";
-  EXPECT_FALSE(is_drawing(engraving(5, 200))) << "nothing is sharp";
+  EXPECT_FALSE(is_drawing(engraving(6, 200))) << "nothing is sharp";
   EXPECT_FALSE(is_drawing(engraving(4))) << "nothing is flat";
   EXPECT_TRUE(may_be_drawing(engraving(4)));
   EXPECT_FALSE(may_be_drawing(engraving(4, 0, 2)));
