@@ -30,7 +30,8 @@ struct TrackOptions {
   /// are worth it. Such a group has as many as its first frame asks for, and some more. Null: none are.
   std::shared_ptr<const vectorize::Options> dense = nullptr;
   /// As the film options, with a larger bound, for drawings whose features have no room in any other and that
-  /// would be illegible: pages of small text. Groups as those of `dense`. Null: none are.
+  /// would be illegible: pages of small text. Groups as those of `dense`. Film may have up to as many, too,
+  /// as far as captions ask for them (vectorize::with_captions()). Null: none are.
   std::shared_ptr<const vectorize::Options> dense_film = nullptr;
   /// As `drawn`, with a bound of at least that of `dense`, for drawings that would be illegible even by
   /// `dense_film`: if all of their features have room in it, they may fill it. Null: none are.
