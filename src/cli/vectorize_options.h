@@ -39,9 +39,9 @@ struct VectorizeOptions {
 /// What --max-control-points is if not given, in commands that take pictures and videos.
 inline constexpr const char* kBoundOfPicturesAndVideos =
     "2.75%, of small pictures 20% up to 3000,\nof drawings 10% to 40%, of videos 2%,\n"
-    "of small videos 20% up to 1500, with captions\nup to 10%; of drawn frames 2%, or 20% up to\n3000, or "
-    "10% "
-    "(20% up to 50,000, 30% up to\n75,000) if their outlines ask for it";
+    "of small videos 20% up to 1500, with captions\n"
+    "up to 10%; of drawn frames 2%, or 20% up to\n3000, or 10% (20% up to 50,000, 30% up to\n"
+    "75,000) if their outlines ask for it";
 
 /// Adds all of them to a command; `options` must live until it has been parsed.
 /// @param default_bound  what --max-control-points is if not given, for the help.

@@ -15,10 +15,10 @@ constexpr float kStep = 50;  // levels
 constexpr float kSharpStep = 128;
 constexpr int kCell = 16;  // pixels
 constexpr std::size_t kSharpEachWay = 6;
-constexpr double kSharpShare = 0.3;     // of the steps of a cell
-constexpr double kMostSteps = 0.75;     // of its pixels: noise has more
-constexpr double kCaptionShare = 0.01;  // of the cells; what has so many more is screen tone or dithered
-constexpr double kMostCaptionShare = 0.4;
+constexpr double kSharpShare = 0.3;        // of the steps of a cell
+constexpr double kMostSteps = 0.75;        // of its pixels: noise has more
+constexpr double kCaptionShare = 0.01;     // of the cells
+constexpr double kMostCaptionShare = 0.4;  // screen tone and dithered pictures have more
 
 /// Steps from a pixel to the next along the row, and along the column.
 struct Steps {

@@ -292,7 +292,7 @@ std::shared_ptr<ColdFrame> make_cold_frame(const image::Image& picture, const Co
                                            double colour_step, const vectorize::Observer& observer) {
   if (!options.drawn || !features::is_drawing(picture)) {
     vectorize::Options film = options.film;
-    film.max_control_points = most_for_film(picture, options.film, options.dense_film);
+    if (options.dense_film) film.max_control_points = most_for_film(picture, film, options.dense_film);
     return made_in(Way::kFilm, {film}, picture, colour_step, observer);
   }
   const Clock::time_point start = Clock::now();

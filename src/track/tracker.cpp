@@ -187,9 +187,9 @@ class Tracker::Impl {
   void count_most_functions(const image::Image& picture) {
     most_functions_ = vectorize::most_control_points(group_options(), picture);
     if (frame_.drawn || frame_.dense) return;
-    const std::size_t most = most_for_film(picture, cold_, options_.dense_film.get());
-    if (most > captioned_ && !features::is_drawing(picture)) captioned_ = most;
     most_functions_ = std::max(most_functions_, captioned_);
+    const std::size_t most = most_for_film(picture, cold_, options_.dense_film.get());
+    if (most > most_functions_ && !features::is_drawing(picture)) most_functions_ = captioned_ = most;
   }
 
   void start_group(const image::Image& picture) {
