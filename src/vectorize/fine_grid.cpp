@@ -13,18 +13,6 @@ namespace {
 
 // Four times the pixels take about 1.4 KB each of the picture's.
 constexpr std::uint64_t kMostPixels = 1'250'000;
-// Where edges come in steps, there is nothing between the pixels to be found. Of the points of features.
-constexpr double kMostStepped = 0.5;
-
-bool has_edges_between_pixels(const image::Image& picture, const features::DetectOptions& options) {
-  std::size_t all = 0;
-  std::size_t stepped = 0;
-  for (const features::Chain& chain : features::detect_features(picture, options).chains) {
-    all += chain.points.size();
-    stepped += chain.stepped ? chain.points.size() : 0;
-  }
-  return all > 0 && static_cast<double>(stepped) <= kMostStepped * static_cast<double>(all);
-}
 
 mesh::KnotMesh halved(mesh::KnotMesh mesh) {
   mesh.width *= 0.5;
@@ -68,7 +56,7 @@ bool wants_fine_grid(const image::Image& picture, const Options& options) {
   if (options.fine_grid == FineGrid::kNone || !options.features || picture.pixel_count() > kMostPixels)
     return false;
   if (options.fine_grid == FineGrid::kDrawings && !features::is_drawing(picture)) return false;
-  return has_edges_between_pixels(picture, options.detect);
+  return !features::detect_features(picture, options.detect).chains.empty();
 }
 
 Options suited_to(const image::Image& picture, Options options) {

@@ -36,7 +36,7 @@ constexpr double kSamePlace = 2;          // from a point to where a vertex was
 features::DetectOptions detect_options(const Options& options, bool drawing) {
   features::DetectOptions detect = options.detect;
   if (!drawing) return detect;
-  detect.max_blur = std::max(detect.max_blur, options.drawn_blur);
+  if (detect.max_blur > 0) detect.max_blur = std::max(detect.max_blur, options.drawn_blur);
   if (options.drawn_threshold > 0 && options.drawn_threshold < detect.edge_threshold) {
     detect.anchor_threshold *= options.drawn_threshold / detect.edge_threshold;
     detect.edge_threshold = options.drawn_threshold;

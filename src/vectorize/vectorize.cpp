@@ -1,18 +1,17 @@
 #include "knotreel/vectorize/vectorize.h"
 
-#include <algorithm>
-#include <cmath>
 #include <memory>
 #include <optional>
 #include <string>
 #include <utility>
 #include <vector>
 
-#include "knotreel/base/error.h"
 #include "knotreel/document/stored_mesh.h"
+#include "knotreel/features/flat_share.h"
 #include "knotreel/image/enlarge.h"
 #include "knotreel/image/hidden_colours.h"
 #include "vectorize/check_options.h"
+#include "vectorize/check_picture.h"
 #include "vectorize/draft.h"
 #include "vectorize/fine_grid.h"
 #include "vectorize/finish.h"
@@ -26,13 +25,11 @@ namespace knotreel::vectorize {
 
 namespace {
 
-void check_picture(const image::Image& picture) {
-  const auto refuse = [](const char* what) { throw Error(ErrorKind::kInvalidArgument, what); };
-  if (picture.width < 1 || picture.height < 1) refuse("cannot vectorize a picture without pixels");
-  const auto is_number = [](float sample) { return std::isfinite(sample); };
-  if (!std::all_of(picture.samples.begin(), picture.samples.end(), is_number))
-    refuse("cannot vectorize a picture with samples that are not finite");
-}
+// Stills of drawings below this are hard to read; dB.
+constexpr double kLegible = 32;
+// Of the pixels of a drawing that can be made legible, flat ones at least. What is dithered has fewer, and is
+// lost with any bound.
+constexpr double kLeastFlat = 0.5;
 
 Bounds bounds_of(const Options& options, const image::Image& picture) {
   const std::size_t usual = most_control_points(options, picture);
@@ -161,14 +158,31 @@ Vectorization run_or_drop_features(const image::Image& picture, const Options& o
   return made;
 }
 
+/// Whether a drawing has too few control points, and may have more: marks of some pixels, such as dots, are
+/// not known as features, and so do not count in its bound.
+bool wants_more_control_points(const Vectorization& made, const image::Image& picture,
+                               const Options& options) {
+  return made.report.rounds.back().psnr < kLegible && features::is_drawing(picture) &&
+         features::flat_share(picture) >= kLeastFlat &&
+         bounds_of(options, picture).with_features > made.report.max_control_points;
+}
+
+Vectorization run_with_enough(const image::Image& picture, const Options& options, const Observer& observer) {
+  Vectorization made = run_or_drop_features(picture, options, observer);
+  if (!wants_more_control_points(made, picture, options)) return made;
+  Options more = options;
+  more.max_control_points = bounds_of(options, picture).with_features;
+  return run_or_drop_features(picture, more, observer);
+}
+
 }  // namespace
 
 Vectorization vectorize_picture(const image::Image& picture, const Options& options,
                                 const Observer& observer) {
   check_picture(picture);
   check_options(options);
-  if (!picture.has_alpha()) return run_or_drop_features(picture, options, observer);
-  return run_or_drop_features(image::extend_seen_colours(picture), options, observer);
+  if (!picture.has_alpha()) return run_with_enough(picture, options, observer);
+  return run_with_enough(image::extend_seen_colours(picture), options, observer);
 }
 
 }  // namespace knotreel::vectorize

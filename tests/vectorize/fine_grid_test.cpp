@@ -54,18 +54,29 @@ TEST(FineGrid, ThinStrokesHaveTwoSides) {
   EXPECT_GT(enlarged(fine), enlarged(plain) + 2);
 }
 
-/// The same without antialiasing.
-image::Image stepped() {
-  image::Image image = thin_strokes(1);
-  for (float& sample : image.samples) sample = sample < 128 ? 20 : 220;
-  for (std::size_t i = 0; i < image.samples.size(); ++i) image.samples[i] = image.samples[i - i % 3];
-  return image;
+/// Notes on lines: most edges are between pixels of two colours, as those of a printed grid.
+image::Image score() {
+  return draw(kWidth, kHeight, 1, [](double x, double y) {
+    for (int note = 0; note < 6; ++note) {
+      if (std::hypot((x - 18 - 19.3 * note) / 1.3, y - 16.2 - 10 * ((note * 3) % 7)) < 2.7) return Colour{0};
+    }
+    return Colour{int(y) % 10 < 2 && y > 10 && y < 84 ? 90.0 : 255.0};
+  });
 }
 
-TEST(FineGrid, IsForDrawingsOfModestSizeWithEdgesBetweenPixels) {
+TEST(FineGrid, IsAlsoForWhatIsBetweenEdgesInSteps) {
+  const image::Image picture = score();
+  Options options;
+  const Vectorization fine = vectorize_picture(picture, options);
+  options.fine_grid = FineGrid::kNone;
+  const Vectorization plain = vectorize_picture(picture, options);
+  EXPECT_TRUE(fine.report.fine_grid);
+  EXPECT_GT(psnr(picture, fine.model), psnr(picture, plain.model) + 2);
+}
+
+TEST(FineGrid, IsForDrawingsOfModestSize) {
   const Options options;
   EXPECT_TRUE(wants_fine_grid(thin_strokes(1), options));
-  EXPECT_FALSE(wants_fine_grid(stepped(), options));
   image::Image noise = thin_strokes(1);
   std::mt19937 random(5);
   for (float& sample : noise.samples) sample += float(random() % 9);

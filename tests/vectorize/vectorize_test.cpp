@@ -470,6 +470,35 @@ TEST(Vectorize, DenseDrawingsMayHaveEvenMore) {
   EXPECT_EQ(default_control_points_with_features(image::make_image(4000, 2000, 1)), 220000U);
 }
 
+/// Dots on a grid that is as wide as told, all of them a little off its points.
+image::Image dots(int width, int height, int distance) {
+  return draw(width, height, 1, [=](double x, double y) {
+    const double u = std::floor(x / distance), v = std::floor(y / distance);
+    const double a = u * 0.37 + v * 0.73, off = 0.3 * distance;
+    const double dx = x - (u + 0.5) * distance - off * std::sin(9 * a);
+    const double dy = y - (v + 0.5) * distance - off * std::cos(7 * a);
+    return Colour{255 * std::clamp(std::hypot(dx, dy) - 0.8, 0.0, 1.0)};
+  });
+}
+
+TEST(Vectorize, TheBoundGrowsWhereMarksThatAreNoFeaturesCannotBeRead) {
+  const image::Image stipple = dots(240, 180, 8);
+  ASSERT_TRUE(features::is_drawing(stipple));
+  const std::size_t usual = default_control_points(stipple);
+  ASSERT_GT(default_control_points_with_features(stipple), 2 * usual);
+  const Vectorization made = vectorize_picture(stipple);
+  EXPECT_EQ(made.report.max_control_points, default_control_points_with_features(stipple));
+  EXPECT_GT(made.report.rounds.back().psnr, 32);
+  Options given;
+  given.max_control_points = usual;
+  const Vectorization bounded = vectorize_picture(stipple, given);
+  EXPECT_LE(bounded.model.space->function_count(), usual);
+  EXPECT_LT(bounded.report.rounds.back().psnr, 32);
+  Options usual_only;
+  usual_only.room_for_features = false;
+  EXPECT_EQ(vectorize_picture(stipple, usual_only).report.max_control_points, usual);
+}
+
 TEST(Vectorize, PhotographsWithCaptionsMayHaveMoreControlPoints) {
   image::Image photograph = noise_picture(400, 300);
   for (float& sample : photograph.samples) sample = 100 + sample / 8;

@@ -1,0 +1,10 @@
+#pragma once
+
+#include "knotreel/image/image.h"
+
+namespace knotreel::vectorize {
+
+/// @throws Error{kInvalidArgument} if it has no pixels, or samples that are not finite.
+void check_picture(const image::Image& picture);
+
+}  // namespace knotreel::vectorize
