@@ -89,21 +89,25 @@ struct Candidate {
 /// For each face the pixel with the largest accumulated error, largest first.
 std::vector<Candidate> best_by_face(const ErrorMap& errors, const std::vector<std::size_t>& pixels,
                                     const std::vector<FaceIndex>& face_of) {
-  std::vector<Candidate> candidates;
-  candidates.reserve(pixels.size());
-  for (const std::size_t p : pixels) candidates.push_back({errors.accumulated(p), p});
-  std::sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+  const auto is_better = [](const Candidate& a, const Candidate& b) {
     return a.error != b.error ? a.error > b.error : a.pixel < b.pixel;
-  });
+  };
+  std::vector<double> accumulated(pixels.size());
+  parallel_for(pixels.size(), [&](std::size_t i) { accumulated[i] = errors.accumulated(pixels[i]); });
   std::vector<Candidate> best;
-  std::vector<bool> taken;
-  for (const Candidate& c : candidates) {
-    const FaceIndex f = face_of[c.pixel];
-    if (f >= taken.size()) taken.resize(f + std::size_t{1}, false);
-    if (taken[f]) continue;
-    taken[f] = true;
-    best.push_back(c);
+  std::vector<std::size_t> best_of;  // by face: its place among the best, from 1 on
+  for (std::size_t i = 0; i < pixels.size(); ++i) {
+    const Candidate candidate{accumulated[i], pixels[i]};
+    const FaceIndex f = face_of[pixels[i]];
+    if (f >= best_of.size()) best_of.resize(f + std::size_t{1}, 0);
+    if (best_of[f] == 0) {
+      best.push_back(candidate);
+      best_of[f] = best.size();
+    } else if (is_better(candidate, best[best_of[f] - 1])) {
+      best[best_of[f] - 1] = candidate;
+    }
   }
+  std::sort(best.begin(), best.end(), is_better);
   return best;
 }
 

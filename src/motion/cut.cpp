@@ -95,7 +95,7 @@ double unlikeness(const Luma& before, const Luma& moved) {
 }
 
 bool is_cut(double unlikeness, const CutOptions& options) {
-  return unlikeness >= options.threshold;
+  return options.threshold < 1 && unlikeness >= options.threshold;
 }
 
 }  // namespace knotreel::motion

@@ -104,7 +104,8 @@ void Stages::cold(Message& message) {
 
 void Stages::model(Message& message) {
   const Urgent urgent;  // models follow each other
-  if (message.starts_group && !groups_at_once_) cold(message);
+  // Here it is known what has drifted since this was planned.
+  if (!groups_at_once_ && message.stretch->tracker.starts_group(message.motion.get())) cold(message);
   timed(failure_, "model", message, [&] {
     track::FrameReport report;
     track::Tracker& tracker = message.stretch->tracker;

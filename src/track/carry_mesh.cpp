@@ -48,7 +48,7 @@ KnotMesh without_leaving_segments(const KnotMesh& mesh, std::span<const Vec2> ta
     const Vec2 t = targets[k];
     const auto axis = [](double before, double now, double size) {
       if (before == 0 || before == size) return now != before;  // slides along another side
-      return now < 1 || now > size - 1;
+      return now != before && (now < 1 || now > size - 1);
     };
     return axis(p.x, t.x, mesh.width) || axis(p.y, t.y, mesh.height);
   };
@@ -144,7 +144,7 @@ class Carrier {
     for (KnotIndex k = 0; k < targets_.size(); ++k) {
       const Vec2 t = targets_[k];
       const bool inside = t.x >= 1 && t.y >= 1 && t.x <= mesh_.width() - 1 && t.y <= mesh_.height() - 1;
-      if (mesh_.knot(k).kind != KnotKind::kFree || inside) continue;
+      if (mesh_.knot(k).kind != KnotKind::kFree || inside || t == mesh_.position(k)) continue;
       if (mesh_.remove(k)) {
         ++report_.removed;
       } else {

@@ -16,7 +16,11 @@ class ColdOutlook {
   explicit ColdOutlook(const vectorize::Options& cold) : cold_(cold) {}
 
   /// A cold frame begins a group. How hard its picture is, is found once the next one is there.
-  void start_group(double psnr) { last_ = {psnr, std::nullopt}; }
+  /// The group may have another bound than the one before, with which a picture is as hard as it is.
+  void start_group(double psnr) {
+    last_ = {psnr, std::nullopt};
+    difficulty_.reset();
+  }
 
   /// To be called before the target changes, in case it is that of a cold frame.
   void look_back(const knots::Target& target, std::size_t functions);

@@ -30,6 +30,9 @@ class FitWatch {
   /// The frame is done with.
   void end_frame(double psnr, bool repaired);
 
+  /// The frame was that before once more, which tells nothing but that the group lasts.
+  void end_repeated_frame() { ++frames_; }
+
   /// Counts the frame. Whether to look if a cold frame would be better: the fit has fallen, or it is long
   /// since the last look (the picture may have become easier). Each cold frame in vain makes the next look
   /// wait for a deeper fall, or longer.

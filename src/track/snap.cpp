@@ -20,7 +20,10 @@ constexpr double kSpacing = 1.5;  // of samples along a curve, pixels
 constexpr double kStep = 0.5;     // of samples across it
 constexpr double kCertain = 20;   // levels over two steps: steeper edges have a smaller dead zone
 constexpr double kWeakest = 6;    // levels over two steps; less is no edge
-constexpr double kBeside = 1.5;   // from a curve to what is beside it, pixels
+// Times SnapOptions::stiffness, by samples, of each end its share.
+constexpr double kAgainstMoving = 0.3;
+constexpr double kAgainstMovingApart = 0.5;
+constexpr double kBeside = 1.5;  // from a curve to what is beside it, pixels
 
 double luma_at(const motion::Luma& luma, Vec2 p) {
   const double x = std::clamp(p.x - 0.5, 0.0, luma.width - 1.0);
@@ -164,9 +167,9 @@ std::vector<Vec2> solve(const std::vector<Sample>& samples, std::size_t knots, c
     const double stiff = options.stiffness * std::max(s.weight, kWeakest);
     for (int i = 0; i < 2; ++i) {
       // Against moving, and against moving apart.
-      add(a + i, a + i, 1.3 * stiff * (1 - s.t) + 1e-9);
-      add(b + i, b + i, 1.3 * stiff * s.t + 1e-9);
-      add(std::max(a, b) + i, std::min(a, b) + i, -0.5 * stiff);
+      add(a + i, a + i, stiff * (kAgainstMovingApart + kAgainstMoving * (1 - s.t)) + 1e-9);
+      add(b + i, b + i, stiff * (kAgainstMovingApart + kAgainstMoving * s.t) + 1e-9);
+      add(std::max(a, b) + i, std::min(a, b) + i, -kAgainstMovingApart * stiff);
     }
   }
   Eigen::SparseMatrix<double> matrix(n, n);

@@ -37,6 +37,7 @@
 #include "track/resting_knots.h"
 #include "track/rework.h"
 #include "track/warm_fit.h"
+#include "vectorize/check_picture.h"
 
 namespace knotreel::track {
 
@@ -152,6 +153,7 @@ class Tracker::Impl {
     return model(picture, report.start != Start::kWarm);
   }
 
+  bool starts_group(const Motion* motion) const { return groups_.start_of(motion) != Start::kWarm; }
   std::shared_ptr<const spline::PixelSurface> surface() const { return frame_.surface; }
   Drawing drawing() const { return drawing_; }
   const std::shared_ptr<KnownDrawings>& known_drawings() const { return known_drawings_; }
@@ -193,7 +195,8 @@ class Tracker::Impl {
   }
 
   void start_group(const image::Image& picture) {
-    if (!frame_.drawn) drawn_.reset();  // of a frame that was thrown away, or of the group before
+    drawn_.reset();  // of a frame that was thrown away, or of the group before
+    is_drawn_ = frame_.drawn.has_value();
     captioned_ = 0;
     count_most_functions(picture);
     measure();
@@ -242,6 +245,7 @@ class Tracker::Impl {
   void repeat() {
     report_->survival = 1;
     report_->psnr = watch_.last();
+    watch_.end_repeated_frame();
     report_->mec = last_mec_;
   }
 
@@ -261,19 +265,19 @@ class Tracker::Impl {
                  std::shared_ptr<const DrawnCurves> curves) {
     rework_last();
     rest_.add(motion.unchanged);
-    const bool is_drawn = frame_.drawn && (curves || features::may_be_drawing(picture));
+    is_drawn_ = frame_.drawn && (curves || features::may_be_drawing(picture));
     drawn_.reset();
     std::optional<KnotMesh> carried;
     std::optional<LinkMemory> links;
     std::optional<FaceErrors> errors_before;
     parallel_invoke(
         [&] {
-          carried = is_drawn ? redrawn_mesh(picture, motion, std::move(curves))
-                             : carried_mesh(frame_, next_mesh_, motion, rest_, options_.carry,
-                                            report_->changes.carry);
+          carried = is_drawn_ ? redrawn_mesh(picture, motion, std::move(curves))
+                              : carried_mesh(frame_, next_mesh_, motion, rest_, options_.carry,
+                                             report_->changes.carry);
         },
         [&] {
-          if (!is_drawn) errors_before.emplace(mesh_, *target_);
+          if (!is_drawn_) errors_before.emplace(mesh_, *target_);
           target_->change_to(picture);
           outlook_.next_picture();
           links.emplace(*frame_.space);
@@ -466,8 +470,7 @@ class Tracker::Impl {
   }
 
   ReworkInput rework_input() const {
-    return {
-        frame_, mesh_, *target_, rest_, most_functions_, drawn_ != nullptr, drawn_ && misses_thresholds()};
+    return {frame_, mesh_, *target_, rest_, most_functions_, is_drawn_, is_drawn_ && misses_thresholds()};
   }
   ReworkLog rework_log() { return {report_->changes, *laps_, next_id_}; }
 
@@ -500,6 +503,7 @@ class Tracker::Impl {
   std::atomic<Drawing> drawing_ = Drawing::kNone;  ///< as told to others
   const std::shared_ptr<KnownDrawings> known_drawings_ = std::make_shared<KnownDrawings>();
   std::unique_ptr<DrawnFeatures> drawn_;   ///< of a drawn frame that is made from the one before
+  bool is_drawn_ = false;                  ///< the frame, that one or a cold one
   std::unique_ptr<knots::Target> target_;  ///< of the last picture
   std::uint32_t next_id_ = 0;
 
@@ -521,6 +525,10 @@ std::shared_ptr<const spline::PixelSurface> Tracker::surface() const {
   return impl_->surface();
 }
 
+bool Tracker::starts_group(const Motion* motion) const {
+  return impl_->starts_group(motion);
+}
+
 Drawing Tracker::drawing() const {
   return impl_->drawing();
 }
@@ -531,6 +539,7 @@ std::shared_ptr<KnownDrawings> Tracker::known_drawings() const {
 
 document::FrameModel Tracker::next(const image::Image& picture, const Motion* motion, FrameReport* report,
                                    MadeAhead ahead) {
+  vectorize::check_picture(picture);
   FrameReport own;
   return impl_->next(picture, motion, report ? *report : own, std::move(ahead));
 }

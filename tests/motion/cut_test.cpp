@@ -96,6 +96,11 @@ TEST(IsCut, FollowsTheThreshold) {
   EXPECT_FALSE(is_cut(0.5, {.threshold = 0.51}));
 }
 
+TEST(IsCut, NothingIsOneAtAThresholdOfOne) {
+  EXPECT_TRUE(is_cut(1, {.threshold = 0.999}));
+  EXPECT_FALSE(is_cut(1, {.threshold = 1}));
+}
+
 TEST(Unlikeness, AnySizeWillDo) {
   for (const auto& [width, height] : {std::pair{1, 1}, {1, 50}, {7, 5}, {33, 31}}) {
     const Image picture = moved_texture(width, height, {});

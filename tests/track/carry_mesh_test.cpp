@@ -8,6 +8,7 @@
 #include <numbers>
 #include <random>
 
+#include "knotreel/mesh/triangulate.h"
 #include "support/mesh_cases.h"
 #include "support/mesh_edits.h"
 
@@ -53,6 +54,24 @@ TEST(CarryMesh, WhatDoesNotMoveStays) {
     expect_same(c.mesh, carried);
     EXPECT_EQ(report.moved + report.removed + report.held + report.flips + report.segments_dropped, 0U);
   }
+}
+
+TEST(CarryMesh, WhatRestsBesideABorderStays) {
+  KnotMesh mesh = mesh::make_domain(64, 48);
+  const auto add = [&](Vec2 position, mesh::KnotKind kind) {
+    const auto index = static_cast<mesh::KnotIndex>(mesh.knots.size());
+    mesh.knots.push_back({position, kind, mesh::KnotId{index}});
+    return index;
+  };
+  add({0.6, 20}, mesh::KnotKind::kFree);
+  const mesh::KnotIndex from = add({20, 0.7}, mesh::KnotKind::kVertex);
+  const mesh::KnotIndex inside = add({20, 5.35}, mesh::KnotKind::kSegment);
+  const mesh::KnotIndex to = add({20, 10}, mesh::KnotKind::kVertex);
+  mesh.segments.push_back({{from, inside, to}});
+  mesh::triangulate(mesh);
+  std::vector<Vec2> targets;
+  for (const mesh::Knot& k : mesh.knots) targets.push_back(k.position);
+  expect_same(mesh, carry_mesh(mesh, targets, {}, {}));
 }
 
 TEST(CarryMesh, AnyMotionGivesASoundMesh) {

@@ -110,5 +110,17 @@ TEST(FitWatch, GroupsThatAreCheapMakeLooksWaitHalfAsLong) {
   EXPECT_TRUE(look_after_groups(1, 26.9)) << "three frames are enough";
 }
 
+TEST(FitWatch, GroupsThatAreHeldAreNotShort) {
+  FitWatch held = watch(30), changing = watch(30);
+  for (int group = 0; group < 12; ++group) {
+    for (FitWatch* w : {&held, &changing}) w->end_frame(22, false);
+    for (int i = 0; i < 50; ++i) held.end_repeated_frame();
+    held.start_group(30, Start::kDrift, false);
+    changing.start_group(30, Start::kDrift, false);
+  }
+  EXPECT_TRUE(held.is_time_to_look(22));
+  EXPECT_FALSE(changing.is_time_to_look(22));
+}
+
 }  // namespace
 }  // namespace knotreel::track

@@ -288,8 +288,8 @@ TEST(Tracker, WhatIsAtRestStaysAsItIs) {
   cold.mec = 1;
   cold.block_error = 0;  // else knots that get lost on the left come and go at the edge on the right
   TrackOptions options;
-  options.restart_gain = 100;  // a new group would have other knots
-  options.swap.share = 0;      // idle ones of the edge on the right would come and go
+  options.restart_gain = 100;                          // a new group would have other knots
+  options.swap.share = options.urgent_swap.share = 0;  // idle ones of the edge on the right would come and go
   Tracker tracker(cold, options);
   std::map<std::uint32_t, Vec2> knots;
   std::shared_ptr<const spline::PixelSurface> drawn;
@@ -484,6 +484,19 @@ TEST(Tracker, AGroupDoesNotKnowWhatCameBefore) {
     EXPECT_EQ(a.displacement, b.displacement) << i;
     EXPECT_EQ(a.space->mesh().faces, b.space->mesh().faces) << i;
   }
+}
+
+TEST(Tracker, RefusesPicturesThatAreNotFinite) {
+  std::vector<image::Image> scene = moving(3);
+  Tracker tracker(cold_options(), {});
+  tracker.next(scene[0], nullptr);
+  const Motion motion = motion_between(scene[0], scene[1]);
+  image::Image broken = scene[1];
+  broken.samples[100] = std::numeric_limits<float>::quiet_NaN();
+  EXPECT_THROW(tracker.next(broken, &motion), Error);
+  FrameReport report;
+  tracker.next(scene[1], &motion, &report);
+  EXPECT_GT(report.psnr, 20) << "it goes on from the frame before";
 }
 
 TEST(Tracker, CutsAndIntervalsStartGroups) {

@@ -13,7 +13,7 @@ namespace knotreel::motion {
 double unlikeness(const Luma& before, const Luma& moved);
 
 struct CutOptions {
-  double threshold = 0.4;  ///< least unlikeness of a cut
+  double threshold = 0.4;  ///< least unlikeness of a cut; 1 or more: nothing is one
 };
 
 /// Whether a new scene begins with the second picture. Meant for hard cuts: fades, moving cameras and light

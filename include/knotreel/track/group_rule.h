@@ -15,12 +15,13 @@ class GroupRule {
   /// @param motion  as for Tracker::next(), frame by frame. @return never kDrift.
   Start next(const Motion* motion);
 
+  /// What next() will say.
+  Start start_of(const Motion* motion) const;
+
   /// The frame that was asked for last starts a group after all.
   void restart() { length_ = 1; }
 
  private:
-  Start start_of(const Motion* motion) const;
-
   TrackOptions options_;
   Start first_;
   int length_ = 0;  ///< frames of the group so far; 0: there is none yet

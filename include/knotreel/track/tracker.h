@@ -157,6 +157,9 @@ class Tracker {
   document::FrameModel next(const image::Image& picture, const Motion* motion, FrameReport* report = nullptr,
                             MadeAhead ahead = {});
 
+  /// Whether the next frame starts a group whatever comes of it. @param motion as for next().
+  bool starts_group(const Motion* motion) const;
+
   /// How the last frame was drawn: the next one will most likely want find_drawn_curves() like that, if at
   /// all. May be asked by any thread at any time.
   Drawing drawing() const;
