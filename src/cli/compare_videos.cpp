@@ -26,7 +26,8 @@ class Comparison {
   void add(const image::Image& reference, const image::Image& result) {
     const image::ImageMetrics metrics = image::compare_images(reference, result);
     motion::Luma luma = motion::luma_of(reference);
-    const int channels = std::max(reference.channels, result.channels);
+    const bool alpha = reference.has_alpha() || result.has_alpha();
+    const int channels = std::max(reference.colour_channels(), result.colour_channels()) + (alpha ? 1 : 0);
     const image::Image a = image::widen_channels(reference, channels);
     const image::Image b = image::widen_channels(result, channels);
     if (luma_.v.empty()) {

@@ -50,9 +50,13 @@ Trace::~Trace() {
 
 void Trace::write(const std::string& events) {
   const std::string text = events + kTail;
-  if (descriptor_ < 0 ||
-      ::pwrite(descriptor_, text.data(), text.size(), end_) != static_cast<ssize_t>(text.size())) {
-    throw Error(ErrorKind::kOutput, "cannot write '" + path_ + "': " + std::strerror(errno));
+  // A disk that is nearly full takes a part of it, and tells why with the rest.
+  for (std::size_t done = 0; done < text.size();) {
+    const ssize_t written = descriptor_ < 0 ? -1
+                                            : ::pwrite(descriptor_, text.data() + done, text.size() - done,
+                                                       end_ + static_cast<std::int64_t>(done));
+    if (written < 0) throw Error(ErrorKind::kOutput, "cannot write '" + path_ + "': " + std::strerror(errno));
+    done += static_cast<std::size_t>(written);
   }
   end_ += static_cast<std::int64_t>(events.size());
 }

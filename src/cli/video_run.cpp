@@ -130,7 +130,7 @@ bool is_video(const std::string& input, const VideoInputOptions& options) {
   if (!fs::is_regular_file(input, ignored)) return false;
   const std::vector<std::byte> start = read_start(input, video::kPictureStart);
   if (image::detect_format(start)) return !video::holds_one_picture(start, input);
-  return fs::path(input).has_extension() && !has_picture_name(input);
+  return !has_picture_name(input);
 }
 
 std::vector<Output> outputs_of(const VideoRun& run) {

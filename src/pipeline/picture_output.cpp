@@ -37,6 +37,7 @@ PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo&
   if (output.width > 0) frames.width = output.width;
   if (output.height > 0) frames.height = output.height;
   if (output.depth > 0) frames.depth = output.depth;
+  frames.sample_aspect = video::sample_aspect_at(source, frames.width, frames.height);
   same_size_ = output.antialias && frames.width == source.width && frames.height == source.height;
   at_output_.width = frames.width;
   at_output_.height = frames.height;
@@ -48,10 +49,7 @@ PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo&
     at_output_.crop_width = frames.width = output.crop->width;
     at_output_.crop_height = frames.height = output.crop->height;
   }
-  if (image::channels_on(background_, frames.channels) != frames.channels) {
-    frames.channels = image::channels_on(background_, frames.channels);
-    frames.pixel_format.clear();  // it has alpha
-  }
+  frames.channels = image::channels_on(background_, frames.channels);
   if (output.path.empty()) return;
   writer_.emplace(video::VideoWriter::create(output.path, frames, output.options, copied));
 }

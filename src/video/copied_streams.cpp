@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cstring>
+#include <string>
+#include <string_view>
+#include <vector>
 
 namespace knotreel::video {
 namespace {
@@ -108,12 +111,26 @@ void copy_chapters(const AVFormatContext& from, AVFormatContext& to) {
   }
 }
 
+bool is_statistic(std::string_view key) {
+  static constexpr std::array kBeginnings = {"_STATISTICS_", "BPS-", "DURATION-", "NUMBER_OF_FRAMES-",
+                                             "NUMBER_OF_BYTES-"};
+  return std::any_of(kBeginnings.begin(), kBeginnings.end(),
+                     [&](const char* beginning) { return key.starts_with(beginning); });
+}
+
 /// What the source's container said of itself is not true of the output.
 void drop_stale(AVDictionary** metadata) {
   for (const char* key : {"encoder", "major_brand", "minor_version", "compatible_brands", "creation_time",
                           "rotate", "alpha_mode", "duration", "NUMBER_OF_FRAMES", "NUMBER_OF_BYTES", "BPS"}) {
     av_dict_set(metadata, key, nullptr, 0);
   }
+  // mkvmerge's, with a language at their ends.
+  std::vector<std::string> statistics;
+  const AVDictionaryEntry* entry = nullptr;
+  while ((entry = av_dict_get(*metadata, "", entry, AV_DICT_IGNORE_SUFFIX)) != nullptr) {
+    if (is_statistic(entry->key)) statistics.emplace_back(entry->key);
+  }
+  for (const std::string& key : statistics) av_dict_set(metadata, key.c_str(), nullptr, 0);
 }
 
 }  // namespace

@@ -135,6 +135,13 @@ int Demuxer::other_videos() const {
   return count;
 }
 
+int Demuxer::covers() const {
+  int count = 0;
+  for (unsigned i = 0; i < format_->nb_streams; ++i)
+    count += (format_->streams[i]->disposition & AV_DISPOSITION_ATTACHED_PIC) != 0 ? 1 : 0;
+  return count;
+}
+
 /// YUV4MPEG has frames and nothing else, and libav drops a last one that is not whole.
 bool Demuxer::ends_in_a_frame() const {
   return std::string_view(format_->iformat->name) == "yuv4mpegpipe" && packets_end_ > 0 &&

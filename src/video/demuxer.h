@@ -24,6 +24,8 @@ class Demuxer {
   bool copied(int stream) const;
   /// Other video streams, which are left out.
   int other_videos() const;
+  /// Pictures of what the file is about, which are no videos.
+  int covers() const;
 
   /// The next packet of the video or of a copied stream; null at the end.
   /// @param why  set to what ended the file early; empty otherwise.

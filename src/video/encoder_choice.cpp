@@ -108,12 +108,29 @@ bool can_be_packed(AVPixelFormat format) {
          (is_rgb(description) || is_grey(description) || description.comp[0].depth >= 8);
 }
 
+/// What is most like a format with alpha, but has none.
+AVPixelFormat without_alpha(AVPixelFormat format) {
+  const int channels = channels_of(*av_pix_fmt_desc_get(format)) - 1;
+  std::vector<AVPixelFormat> all;
+  for (const AVPixFmtDescriptor* d = av_pix_fmt_desc_next(nullptr); d != nullptr;
+       d = av_pix_fmt_desc_next(d)) {
+    const AVPixelFormat other = av_pix_fmt_desc_get_id(d);
+    if (can_be_packed(other) && channels_of(*d) == channels && without_range(other) == other)
+      all.push_back(other);
+  }
+  all.push_back(AV_PIX_FMT_NONE);
+  int loss = 0;
+  return avcodec_find_best_pix_fmt_of_list(all.data(), format, 0, &loss);
+}
+
 AVPixelFormat source_format(const AVCodec& encoder, const StreamInfo& frames) {
   const AVPixelFormat named = av_get_pix_fmt(frames.pixel_format.c_str());
   if (named == AV_PIX_FMT_NONE) return likely_source(encoder, frames);
   const AVPixFmtDescriptor& description = *av_pix_fmt_desc_get(named);
   // Palettes are resolved, and a picture with other channels than its name says has been made over.
   if (named == AV_PIX_FMT_PAL8) return frames.channels == 4 ? AV_PIX_FMT_BGRA : AV_PIX_FMT_RGB24;
+  if (has_alpha(description) && channels_of(description) == frames.channels + 1 && can_be_packed(named))
+    return without_alpha(named);
   if (channels_of(description) != frames.channels) return likely_source(encoder, frames);
   return can_be_packed(named) ? without_range(named) : likely_source(encoder, frames);
 }
@@ -311,6 +328,9 @@ void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOption
   if (aom) dictionary.set("cpu-used", options.preset.empty() ? "6" : options.preset);
   if (vpx) dictionary.set("cpu-used", options.preset.empty() ? "2" : options.preset);
   if (aom || name == "libvpx-vp9") dictionary.set("row-mt", "1");
+  // VP8 has no alternate reference frames where there is alpha.
+  if (name == "libvpx" && has_alpha(*av_pix_fmt_desc_get(encoder.pix_fmt)))
+    dictionary.set("auto-alt-ref", "0");
   if (name == "libx264" && options.preset.empty()) dictionary.set("preset", kX264Preset);
   if (name == "libx264") keep_repeatable(dictionary);
   if (!aom && !vpx && !options.preset.empty()) set_named_preset(*encoder.codec, dictionary, options.preset);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <utility>
 
+#include "colour_rules.h"
 #include "knotreel/base/error.h"
 
 namespace knotreel::video {
@@ -29,14 +30,14 @@ std::string in_a_row(const std::string& first, const std::string& second) {
 
 }  // namespace
 
-FrameFilter::FrameFilter(const ReadOptions& options, AVRational time_base, AVRational rate,
-                         Warnings& warnings)
+FrameFilter::FrameFilter(const ReadOptions& options, const StreamInfo& stream, Warnings& warnings)
     : mode_(options.deinterlace),
       filter_(options.filter),
-      sent_time_base_(time_base),
-      time_base_(time_base),
-      sent_rate_(rate),
-      rate_(rate),
+      sent_time_base_(to_av(stream.time_base)),
+      time_base_(sent_time_base_),
+      sent_rate_(to_av(stream.frame_rate)),
+      rate_(sent_rate_),
+      sent_aspect_(to_av(stream.sample_aspect)),
       warnings_(warnings) {}
 
 /// What a frame has to go through; empty if it can pass as it is. Two moments for each frame are another
@@ -45,6 +46,14 @@ std::string FrameFilter::filters_for(const AVFrame& frame) const {
   const bool is_whole = mode_ == Deinterlace::kMarked && frame.interlaced_frame == 0;
   if (given_up_ || is_whole) return filter_;
   return in_a_row(deinterlacer(mode_), filter_);
+}
+
+/// What only the container tells, and what follows from the size, which filters change.
+void FrameFilter::complete(AVFrame& frame) const {
+  frame.sample_aspect_ratio = sent_aspect_;
+  const AVPixFmtDescriptor& format = *av_pix_fmt_desc_get(AVPixelFormat(frame.format));
+  if (frame.colorspace == AVCOL_SPC_UNSPECIFIED && !is_rgb(format) && !is_grey(format))
+    frame.colorspace = AVColorSpace(matrix_in_use(frame.colorspace, frame.height));
 }
 
 void FrameFilter::set_up(const AVFrame& frame, const std::string& filters) {
@@ -73,6 +82,7 @@ void FrameFilter::send(FramePtr frame) {
   const bool lacks_deinterlacer = is_interlaced && !deinterlaces_ && !given_up_;
   if (graph_ && (!graph_->takes(*frame) || lacks_deinterlacer)) drain();
   if (const std::string filters = filters_for(*frame); !graph_ && !filters.empty()) {
+    complete(*frame);
     set_up(*frame, filters);
     deinterlaces_ = filters != filter_;
   }
@@ -80,6 +90,7 @@ void FrameFilter::send(FramePtr frame) {
     ready_.push_back(std::move(frame));
     return;
   }
+  complete(*frame);
   if (is_interlaced && !given_up_) warnings_.count("frames are interlaced, and deinterlaced");
   graph_->send(std::move(frame));
 }

@@ -14,8 +14,8 @@ namespace knotreel::video {
 /// time.
 class FrameFilter {
  public:
-  /// @param time_base of frames sent; @param rate of the stream, or 0/1. @param warnings  told what was done.
-  FrameFilter(const ReadOptions& options, AVRational time_base, AVRational rate, Warnings& warnings);
+  /// @param stream that the frames are of. @param warnings  told what was done.
+  FrameFilter(const ReadOptions& options, const StreamInfo& stream, Warnings& warnings);
 
   /// The next frame; null: there are no more. To be called when receive() has said null.
   /// @throws Error{kInvalidArgument} if libavfilter does not take the filters.
@@ -35,13 +35,14 @@ class FrameFilter {
 
  private:
   std::string filters_for(const AVFrame& frame) const;
+  void complete(AVFrame& frame) const;
   void set_up(const AVFrame& frame, const std::string& filters);
   void drain();
   FramePtr from_graph();
 
   Deinterlace mode_;
   std::string filter_;
-  AVRational sent_time_base_, time_base_, sent_rate_, rate_;
+  AVRational sent_time_base_, time_base_, sent_rate_, rate_, sent_aspect_;
   bool has_clock_ = false;                  ///< time_base_ and rate_ are those of a graph
   bool deinterlaces_ = false;               ///< graph_ does
   bool given_up_ = false;                   ///< on deinterlacing

@@ -1,9 +1,11 @@
 #include "stream_description.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
 #include <cstring>
+#include <limits>
 #include <string_view>
 
 #include "colour_rules.h"
@@ -154,6 +156,16 @@ double told_end(const AVStream& stream) {
   }
   const AVDictionaryEntry* entry = av_dict_get(stream.metadata, "DURATION", nullptr, 0);
   return entry == nullptr ? 0 : seconds_of(entry->value);
+}
+
+Rational sample_aspect_at(const StreamInfo& stream, int width, int height) {
+  const Rational& aspect = stream.sample_aspect;
+  const std::int64_t wide = std::int64_t{stream.width} * height, high = std::int64_t{stream.height} * width;
+  const bool same_shape = std::abs(wide - high) <= std::max(stream.width, stream.height);
+  if (!aspect.known() || aspect.num == aspect.den || same_shape) return aspect;
+  AVRational stretch{};
+  av_reduce(&stretch.num, &stretch.den, wide, high, std::numeric_limits<int>::max());
+  return from_av(av_mul_q(to_av(aspect), stretch));
 }
 
 ColourNames names_of(const ColourTags& tags) {

@@ -56,6 +56,7 @@ StreamSource::StreamSource(const std::string& input, const ReadOptions& options)
   if (const int others = demuxer_.other_videos(); others > 0) {
     warnings_.add(std::to_string(others) + " more video streams are left out");
   }
+  if (options.copy_streams && demuxer_.covers() > 0) warnings_.add("cover pictures are left out");
   begin(options);
   if (std::uint64_t(info_.width) * std::uint64_t(info_.height) > image::kMaxPixels) {
     throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "its frames have too many pixels");
@@ -72,7 +73,7 @@ void StreamSource::begin(const ReadOptions& options) {
   decoded_info_ = describe_stream(*demuxer_.format(), *demuxer_.video(), *decoder_, *first, options);
   drop_idle_alpha(decoded_info_, *first, demuxer_);
   stamp(*first);
-  filter_.emplace(options, to_av(decoded_info_.time_base), to_av(decoded_info_.frame_rate), warnings_);
+  filter_.emplace(options, decoded_info_, warnings_);
   filter_->send(std::move(first));
   ahead_ = filtered();
   if (!ahead_) throw Error(ErrorKind::kInvalidArgument, "no frame is left by '" + options.filter + "'");

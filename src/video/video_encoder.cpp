@@ -149,7 +149,9 @@ void VideoEncoder::open(const WriteOptions& options) {
 void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64_t duration,
                          Warnings& warnings, const Receiver& receiver) {
   ColourTags tags = info_.colour;
+  // As the encoder tells them: a user may have asked it for others.
   tags.range = encoder_->color_range;
+  if (encoder_->colorspace != AVCOL_SPC_UNSPECIFIED) tags.matrix = encoder_->colorspace;
   const FramePtr frame = packed_frame(image, encoder_->pix_fmt, tags, info_.height, last_.get());
   frame->color_range = encoder_->color_range;
   frame->colorspace = encoder_->colorspace;

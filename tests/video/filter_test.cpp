@@ -175,6 +175,47 @@ TEST(Filter, CropsScalesAndCountsTimes) {
   EXPECT_TRUE(part.warnings.empty());
 }
 
+/// In a codec that does not tell it of itself.
+void write_anamorphic(const std::string& path) {
+  ClipSpec clip = moving_pattern(64, 48, 3, 4);
+  clip.info.sample_aspect = {2, 1};
+  write_clip(path, clip, with_codec("huffyuv", "rgb24"));
+}
+
+TEST(Filter, KeepsTheShapeOfPixelsThatOnlyTheContainerTells) {
+  const TempDir dir;
+  write_anamorphic(dir / "a.mkv");
+  EXPECT_EQ(read_clip(dir / "a.mkv").info.sample_aspect, (Rational{2, 1}));
+  EXPECT_EQ(read_clip(dir / "a.mkv", filtered("null")).info.sample_aspect, (Rational{2, 1}));
+  EXPECT_EQ(read_clip(dir / "a.mkv", filtered("scale=128:48")).info.sample_aspect, (Rational{1, 1}));
+  EXPECT_EQ(read_clip(dir / "a.mkv", deinterlaced(Deinterlace::kFields)).info.sample_aspect,
+            (Rational{2, 1}));
+}
+
+image::Image plain(int width, int height) {
+  image::Image image = image::make_image(width, height, 3);
+  constexpr float kRed[] = {220, 40, 40};
+  for (std::size_t i = 0; i < image.samples.size(); ++i) image.samples[i] = kRed[i % 3];
+  return image;
+}
+
+/// What is not told follows from the size, of the stream and not of what a filter leaves.
+TEST(Filter, DoesNotChangeColours) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(960, 720, 3, 1);
+  clip.images[0] = plain(960, 720);
+  write_clip(dir / "high.mkv", clip, with_codec("ffv1", "yuv444p"));
+  EXPECT_LT(
+      largest_difference(read_clip(dir / "high.mkv", filtered("crop=64:48")).frames[0].image, plain(64, 48)),
+      2);
+  clip = moving_pattern(64, 48, 3, 1);
+  clip.images[0] = plain(64, 48);
+  write_clip(dir / "low.mkv", clip, with_codec("ffv1", "yuv444p"));
+  EXPECT_LT(largest_difference(read_clip(dir / "low.mkv", filtered("scale=960:720")).frames[0].image,
+                               plain(960, 720)),
+            2);
+}
+
 TEST(Filter, PartsAreOfTheFilteredFrames) {
   const TempDir dir;
   write_clip(dir / "a.mkv", moving_pattern(64, 48, 3, 10), with_codec("ffv1", "bgr0"));

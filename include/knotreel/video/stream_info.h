@@ -65,6 +65,11 @@ struct StreamInfo {
 /// By how much a player turns the pictures clockwise, -180 to 180 degrees.
 double rotation_degrees(const StreamInfo& info);
 
+/// The shape of pixels that shows a stream's pictures as wide as they are, brought to another size. Square
+/// ones stay so: who asks for another shape of pictures wants to see it. Nor do they change for what a size
+/// is rounded.
+Rational sample_aspect_at(const StreamInfo& stream, int width, int height);
+
 /// Any of the streams of a file.
 struct StreamEntry {
   int index = 0;

@@ -97,7 +97,7 @@ std::vector<Found> in_list(const std::string& path) {
   std::set<std::string> known;
   for (std::string line; std::getline(lines, line);) {
     if (line.ends_with('\r')) line.pop_back();
-    if (line.empty() || !known.insert(line).second) continue;
+    if (line.empty() || !known.insert(fs::path(line).lexically_normal().string()).second) continue;
     found.push_back({line, fs::path(line).filename()});
   }
   return found;
