@@ -56,7 +56,7 @@ TEST(Cli, VersionNamesTheLibraries) {
   const auto result = test::knotreel({"--version"});
   expect_success(result);
   EXPECT_TRUE(result.out.starts_with("knotreel " KNOTREEL_VERSION " (")) << result.out;
-  for (const char* library : {"OpenCV", "CGAL", "Eigen", "oneTBB", "libpng"}) {
+  for (const char* library : {"OpenCV", "CGAL", "Eigen", "oneTBB", "libpng", "libtiff"}) {
     EXPECT_NE(result.out.find(library), std::string::npos) << library;
   }
 }
