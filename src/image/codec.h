@@ -23,6 +23,7 @@ class DecodeError : public std::runtime_error {
 struct Decoded {
   Image image;
   SampleType samples = SampleType::u8;
+  bool more_pages = false;  ///< as in ImageFileInfo
 };
 
 /// @throws DecodeError for sizes below 1 or above kMaxPixels.
@@ -31,6 +32,7 @@ void check_size(std::uint64_t width, std::uint64_t height);
 // One decoder per family of formats; all throw DecodeError or std::bad_alloc.
 Decoded decode_png(std::span<const std::byte> file);
 Decoded decode_pnm(std::span<const std::byte> file);  // PBM, PGM, PPM, PAM, PFM
+Decoded decode_tiff(std::span<const std::byte> file);
 Decoded decode_with_opencv(std::span<const std::byte> file, ImageFormat format);
 
 // Row writers; they own the open file. The spec has been checked against the format.

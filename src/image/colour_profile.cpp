@@ -3,6 +3,7 @@
 #include <string_view>
 
 #include "bytes.h"
+#include "tiff_file.h"
 
 namespace knotreel::image {
 namespace {
@@ -36,15 +37,11 @@ bool jpeg_profile(const Bytes& bytes) {
   }
 }
 
-/// Tag 34675 of the first directory.
-bool tiff_profile(const Bytes& bytes) {
-  const bool little = bytes.u8(0) == 'I';
-  const auto u16 = [&](std::size_t at) { return little ? bytes.le16(at) : bytes.be16(at); };
-  const std::size_t directory = little ? bytes.le32(4) : bytes.be32(4);
-  for (std::size_t i = 0; i < u16(directory); ++i) {
-    if (u16(directory + 2 + 12 * i) == 34675) return true;
-  }
-  return false;
+bool tiff_profile(std::span<const std::byte> bytes) {
+  const TiffFile file(bytes);
+  std::uint32_t size = 0;
+  const void* profile = nullptr;
+  return TIFFGetField(file.handle(), TIFFTAG_ICCPROFILE, &size, &profile) != 0;
 }
 
 /// A flag of the VP8X chunk.
@@ -63,13 +60,13 @@ bool has_colour_profile(std::span<const std::byte> file, ImageFormat format) noe
       case ImageFormat::kJpeg:
         return jpeg_profile(bytes);
       case ImageFormat::kTiff:
-        return tiff_profile(bytes);
+        return tiff_profile(file);
       case ImageFormat::kWebp:
         return webp_profile(bytes);
       default:
         return false;
     }
-  } catch (const DecodeError&) {
+  } catch (const std::exception&) {
     return false;
   }
 }

@@ -14,6 +14,7 @@ std::optional<ImageFormat> detect_format(std::span<const std::byte> start) {
   if (text.starts_with("\x89PNG\r\n\x1a\n"sv)) return ImageFormat::kPng;
   if (text.starts_with("\xff\xd8\xff"sv)) return ImageFormat::kJpeg;
   if (text.starts_with("II*\0"sv) || text.starts_with("MM\0*"sv)) return ImageFormat::kTiff;
+  if (text.starts_with("II+\0"sv) || text.starts_with("MM\0+"sv)) return ImageFormat::kTiff;  // BigTIFF
   if (text.starts_with("RIFF"sv) && text.size() >= 12 && text.substr(8, 4) == "WEBP"sv)
     return ImageFormat::kWebp;
   if (text.starts_with("BM"sv)) return ImageFormat::kBmp;

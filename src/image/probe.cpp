@@ -43,23 +43,6 @@ ProbedSize probe_jpeg(const Bytes& bytes) {
   return size;
 }
 
-/// TIFF 6.0: tags 256 and 257 of the first directory.
-ProbedSize probe_tiff(const Bytes& bytes) {
-  const bool little = bytes.u8(0) == 'I';
-  const auto u16 = [&](std::size_t at) { return little ? bytes.le16(at) : bytes.be16(at); };
-  const auto u32 = [&](std::size_t at) { return little ? bytes.le32(at) : bytes.be32(at); };
-  const std::size_t directory = u32(4);
-  ProbedSize size;
-  for (std::size_t i = 0; i < u16(directory); ++i) {
-    const std::size_t entry = directory + 2 + 12 * i;
-    constexpr std::uint32_t kShort = 3;
-    const std::uint32_t value = u16(entry + 2) == kShort ? u16(entry + 8) : u32(entry + 8);
-    if (u16(entry) == 256) size.width = value;
-    if (u16(entry) == 257) size.height = value;
-  }
-  return size;
-}
-
 /// RFC 9649: the first chunk is VP8, VP8L or VP8X.
 ProbedSize probe_webp(const Bytes& bytes) {
   switch (bytes.be32(12)) {
@@ -90,8 +73,6 @@ ProbedSize probe_size(std::span<const std::byte> file, ImageFormat format) {
   switch (format) {
     case ImageFormat::kJpeg:
       return probe_jpeg(bytes);
-    case ImageFormat::kTiff:
-      return probe_tiff(bytes);
     case ImageFormat::kWebp:
       return probe_webp(bytes);
     case ImageFormat::kBmp:

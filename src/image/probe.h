@@ -13,7 +13,7 @@ struct ProbedSize {
   std::uint64_t height = 0;
 };
 
-/// Reads the size that the header of a JPEG, TIFF, WebP or BMP announces, so that a decoder is only started
+/// Reads the size that the header of a JPEG, WebP or BMP announces, so that a decoder is only started
 /// on pictures of acceptable size. For JPEG it also makes sure that the end marker is there, since the
 /// decoder fills up missing data silently.
 /// @throws DecodeError if the header is damaged or cut short.

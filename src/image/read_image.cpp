@@ -26,6 +26,8 @@ Decoded decode(std::span<const std::byte> file) {
     case ImageFormat::kPam:
     case ImageFormat::kPfm:
       return decode_pnm(file);
+    case ImageFormat::kTiff:
+      return decode_tiff(file);
     default:
       return decode_with_opencv(file, *format);
   }
@@ -57,7 +59,7 @@ Image read_image(const std::filesystem::path& path, ImageFileInfo* info) {
     if (decoded.samples == SampleType::f32) check_finite(decoded.image);
     if (info != nullptr) {
       const ImageFormat format = *detect_format(file);
-      *info = {format, decoded.samples, file.size(), has_colour_profile(file, format)};
+      *info = {format, decoded.samples, file.size(), has_colour_profile(file, format), decoded.more_pages};
     }
     return std::move(decoded.image);
   } catch (const DecodeError& e) {
