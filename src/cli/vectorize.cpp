@@ -130,6 +130,7 @@ void vectorize_picture(const VectorizeArguments& arguments) {
     warn(fmt::format("{} has a colour profile, which is not applied: colours are taken as they are stored",
                      arguments.input));
   }
+  if (source.more_pages) warn(fmt::format("{} has more pages; the first is read", arguments.input));
   vectorize::Options options = effective_options(arguments.options, image.pixel_count());
   OutputFiles files(arguments);
   Watcher watcher(arguments.debug_dir, timer);
