@@ -109,6 +109,20 @@ Format parse_header(std::span<const std::byte> payload) {
   return format;
 }
 
+std::vector<std::byte> write_last(std::int64_t duration) {
+  ByteWriter out;
+  out.varint(static_cast<std::uint64_t>(duration));
+  return out.take();
+}
+
+std::int64_t parse_last(std::span<const std::byte> payload) {
+  ByteReader in(payload);
+  const auto most = static_cast<std::uint64_t>(kMaxTicks);
+  const auto duration = static_cast<std::int64_t>(in.varint_in(1, most, "the duration of the last frame"));
+  if (in.remaining() > 0) malformed("data after the duration of the last frame");
+  return duration;
+}
+
 std::vector<std::byte> write_index(const std::vector<FrameRecord>& records) {
   ByteWriter out;
   out.varint(records.size());

@@ -21,6 +21,7 @@ inline constexpr std::size_t kPreambleBytes = kMagic.size() + 4;
 enum class ChunkType : std::uint32_t {
   kHeader = 0x44414548,  // "HEAD"
   kFrame = 0x4D415246,   // "FRAM"
+  kLast = 0x7473616C,    // "last"
   kIndex = 0x58444E49,   // "INDX"
   kEnd = 0x454E4F44,     // "DONE"
 };
@@ -50,6 +51,10 @@ ChunkHeader parse_chunk_header(std::span<const std::byte> bytes, bool verify);
 
 std::vector<std::byte> write_header(const Format& format);
 Format parse_header(std::span<const std::byte> payload);
+
+/// How long the last frame is shown.
+std::vector<std::byte> write_last(std::int64_t duration);
+std::int64_t parse_last(std::span<const std::byte> payload);
 
 std::vector<std::byte> write_index(const std::vector<FrameRecord>& records);
 std::vector<FrameRecord> parse_index(std::span<const std::byte> payload);

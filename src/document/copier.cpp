@@ -78,7 +78,7 @@ class Copier::Impl {
     return knots;
   }
 
-  void finish() { stream_.finish(); }
+  void finish(std::int64_t last_duration) { stream_.finish(last_duration); }
 
  private:
   void check_format(const Format& from) const {
@@ -117,8 +117,8 @@ std::size_t Copier::append(Reader& from, std::size_t frame, const Place& place) 
   return impl_->append(from.impl_->file, frame, place);
 }
 
-void Copier::finish() {
-  impl_->finish();
+void Copier::finish(std::int64_t last_duration) {
+  impl_->finish(last_duration);
 }
 
 }  // namespace knotreel::document

@@ -116,9 +116,19 @@ bool DocumentFile::read_with_index() {
       behind = r.offset + r.bytes;
     }
     if (!records_.empty() && !records_.front().keyframe) malformed("the first frame is not a keyframe");
+    read_behind_frames(behind, index_offset);
   });
   complete_ = true;
   return true;
+}
+
+void DocumentFile::read_behind_frames(std::uint64_t offset, std::uint64_t end) {
+  while (offset < end) {
+    const auto header = header_at(offset);
+    if (!header) malformed("the file ends early");
+    if (header->type == ChunkType::kLast) last_duration_ = parse_last(payload_at(offset, *header));
+    offset += kChunkHeaderBytes + header->length;
+  }
 }
 
 void DocumentFile::scan() {

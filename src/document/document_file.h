@@ -19,6 +19,7 @@ class DocumentFile {
   const std::vector<FrameRecord>& records() const { return records_; }
   bool complete() const { return complete_; }
   std::uint64_t bytes() const { return source_->size(); }
+  std::int64_t last_duration() const { return last_duration_; }
 
   /// @pre frame < records().size(). Valid until the next call.
   const FrameState& read(std::size_t frame);
@@ -31,6 +32,7 @@ class DocumentFile {
 
   void open();
   bool read_with_index();
+  void read_behind_frames(std::uint64_t offset, std::uint64_t end);
   void scan();
   /// @return nothing if the file ends before the chunk does.
   std::optional<ChunkHeader> header_at(std::uint64_t offset);
@@ -46,6 +48,7 @@ class DocumentFile {
   Format format_;
   std::vector<FrameRecord> records_;
   std::uint64_t first_chunk_ = 0;  ///< behind the header chunk
+  std::int64_t last_duration_ = 0;
   bool complete_ = false;
   std::optional<FrameState> state_;
   std::size_t state_frame_ = 0;

@@ -5,6 +5,7 @@
 #include "document/container.h"
 #include "document/frame_codec.h"
 #include "knotreel/base/error.h"
+#include "knotreel/base/ticks.h"
 
 namespace knotreel::document {
 
@@ -23,9 +24,10 @@ void FrameStream::put(FrameState& state, const FrameState* before) {
   records_.push_back(record);
 }
 
-void FrameStream::finish() {
+void FrameStream::finish(std::int64_t last_duration) {
   require_open();
   finished_ = true;
+  if (last_duration > 0 && is_time(last_duration)) put(chunk(ChunkType::kLast, write_last(last_duration)));
   ByteWriter end;
   end.u64(position_);
   put(chunk(ChunkType::kIndex, write_index(records_)));

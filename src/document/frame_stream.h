@@ -18,8 +18,9 @@ class FrameStream {
   /// @param state, before  as encode_frame() takes them.
   void put(FrameState& state, const FrameState* before);
 
-  /// Writes the index, last.
-  void finish();
+  /// Writes the index, last. @param last_duration  ticks that the last frame lasts; 0: the document does not
+  /// tell.
+  void finish(std::int64_t last_duration);
 
   /// @throws Error{kInvalidArgument} if nothing may follow.
   void require_open() const;

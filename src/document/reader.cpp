@@ -36,6 +36,9 @@ Steps Reader::steps() const {
   const Format& format = impl_->file.format();
   return {format.colour_step, format.displacement_step};
 }
+std::int64_t Reader::last_duration() const {
+  return impl_->file.last_duration();
+}
 std::uint64_t Reader::file_bytes() const {
   return impl_->file.bytes();
 }

@@ -64,7 +64,7 @@ class Writer::Impl {
     return to_model(*state_, format_);
   }
 
-  void finish() { stream_.finish(); }
+  void finish(std::int64_t last_duration) { stream_.finish(last_duration); }
 
  private:
   /// Deltas have coarser steps than the keyframe before them, but what repeats it stays as it is.
@@ -99,8 +99,8 @@ Writer& Writer::operator=(Writer&&) noexcept = default;
 FrameModel Writer::append(const FrameModel& model) {
   return impl_->append(model);
 }
-void Writer::finish() {
-  impl_->finish();
+void Writer::finish(std::int64_t last_duration) {
+  impl_->finish(last_duration);
 }
 
 }  // namespace knotreel::document

@@ -6,6 +6,7 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/document/copier.h"
+#include "knotreel/pipeline/sequence.h"
 #include "pipeline/document_stream.h"
 #include "pipeline/split_folder.h"
 
@@ -21,8 +22,8 @@ class CopiedDocument {
   std::size_t append(document::Reader& from, std::size_t frame, const document::Copier::Place& place) {
     return copier_.append(from, frame, place);
   }
-  void finish() {
-    copier_.finish();
+  void finish(std::int64_t last_duration = 0) {
+    copier_.finish(last_duration);
     stream_.commit();
   }
   std::uint64_t bytes() const { return stream_.bytes(); }
@@ -47,13 +48,21 @@ class Copying {
     }
     // A document without a frame is none.
     if (document_ && summary_.frames > 0) {
-      document_->finish();
+      document_->finish(duration_to_tell(job_.plan.info, last_frame()));
       summary_.document_bytes = document_->bytes();
     }
     return summary_;
   }
 
  private:
+  LastFrame last_frame() const {
+    const std::vector<CopiedFrame>& all = job_.plan.frames;
+    const std::size_t count = summary_.frames;
+    const std::int64_t pts = all[count - 1].pts;
+    const std::int64_t end = count < all.size() ? all[count].pts : job_.plan.end;
+    return {pts, count > 1 ? pts - all[count - 2].pts : 0, end - pts};
+  }
+
   void copy(const CopiedFrame& frame) {
     document::Reader& from = reader_of(frame);
     const bool follows = last_ && last_->document == frame.document && last_->frame + 1 == frame.frame;

@@ -16,8 +16,8 @@ std::uint64_t DocumentSink::bytes() const {
   return stream_.bytes();
 }
 
-void DocumentSink::finish() {
-  writer_.finish();
+void DocumentSink::finish(std::int64_t last_duration) {
+  writer_.finish(last_duration);
   stream_.commit();
 }
 

@@ -21,8 +21,8 @@ class DocumentSink {
   /// Bytes so far.
   std::uint64_t bytes() const;
 
-  /// Completes the document and gives it its name.
-  void finish();
+  /// Completes the document and gives it its name. @param last_duration  as document::Writer::finish().
+  void finish(std::int64_t last_duration = 0);
 
  private:
   DocumentStream stream_;

@@ -90,6 +90,16 @@ std::int64_t number(const std::string& text, std::int64_t otherwise) {
   return n.size() == 1 && is_time(n[0]) ? n[0] : otherwise;
 }
 
+/// Of the last frame of a document that does not tell it. @param step  from the frame before; 0: there is
+/// none.
+std::int64_t concluded_duration(const document::SequenceInfo& info, std::int64_t pts, std::int64_t step) {
+  const video::StreamInfo stream = stream_info(info);
+  const std::int64_t nominal = nominal_duration(stream);
+  const std::int64_t usual = nominal > 0 ? nominal : step;
+  const std::int64_t told = stream.end - pts;
+  return told > usual / 4 && told < usual * 4 ? told : usual;
+}
+
 }  // namespace
 
 document::SequenceInfo sequence_info(const video::StreamInfo& stream, const std::string& source, int degree) {
@@ -137,13 +147,14 @@ std::int64_t nominal_duration(const video::StreamInfo& stream) {
 }
 
 std::int64_t last_duration(const document::Reader& reader) {
+  if (reader.last_duration() > 0) return reader.last_duration();
   const std::size_t last = reader.frame_count() - 1;
   const std::int64_t pts = reader.record(last).pts;
-  const video::StreamInfo stream = stream_info(reader.info());
-  std::int64_t usual = nominal_duration(stream);
-  if (usual <= 0 && last > 0) usual = pts - reader.record(last - 1).pts;
-  const std::int64_t told = stream.end - pts;
-  return told > usual / 4 && told < usual * 4 ? told : usual;
+  return concluded_duration(reader.info(), pts, last > 0 ? pts - reader.record(last - 1).pts : 0);
+}
+
+std::int64_t duration_to_tell(const document::SequenceInfo& info, const LastFrame& last) {
+  return last.duration == concluded_duration(info, last.pts, last.step) ? 0 : last.duration;
 }
 
 }  // namespace knotreel::pipeline

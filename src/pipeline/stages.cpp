@@ -136,6 +136,7 @@ void Stages::documents(Message& message) {
         stored.colour != message.model.colour)
       message.surface.reset();
     message.repeats = message.same_picture && same_surface(stored, stored_);
+    last_ = {stored.pts, message.index > 0 ? stored.pts - last_.pts : 0, message.frame.duration};
     stored_ = stored;
     message.model = std::move(stored);
     message.row.bytes = document_.bytes() - before;
@@ -185,7 +186,7 @@ Summary Stages::finish() {
     throw Error(ErrorKind::kInput, "'" + job_.source + "' has no frame that can be decoded");
   }
   output_.write_packets(job_.reader->remaining_packets());
-  document_.finish();
+  document_.finish(duration_to_tell(info_, last_));
   beside_.finish();
   Summary summary = output_.finish();
   summary.document_bytes = document_.bytes();

@@ -3,6 +3,7 @@
 #include <memory>
 #include <optional>
 
+#include "knotreel/pipeline/sequence.h"
 #include "knotreel/track/group_rule.h"
 #include "pipeline/beside_output.h"
 #include "pipeline/document_sink.h"
@@ -47,6 +48,7 @@ class Stages {
   BesideOutput beside_;
   DocumentSink document_;
   document::FrameModel stored_;  ///< the last frame
+  LastFrame last_;               ///< likewise
   track::GroupRule groups_;
   bool groups_at_once_;               ///< frames that start one are made ahead
   std::shared_ptr<Stretch> stretch_;  ///< of the frame that was planned last

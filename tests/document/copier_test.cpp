@@ -71,6 +71,25 @@ std::string difference_in_kind(FrameModel a, const FrameModel& b) {
   return difference(a, b);
 }
 
+TEST(Copier, TheDurationOfTheLastFrameIsKeptIfItIsTold) {
+  const FrameModel model =
+      testing::random_model(testing::random_mesh(160, 120, 40, 0, kCopySeed), 2, 3, kCopySeed);
+  for (const std::int64_t duration : {std::int64_t{0}, std::int64_t{1}, std::int64_t{500}}) {
+    std::ostringstream out;
+    document::Writer writer(out, testing::info_of(model));
+    writer.append(model);
+    writer.finish(duration);
+    Reader reader = Reader::open(bytes_of(out));
+    EXPECT_TRUE(reader.complete());
+    EXPECT_EQ(reader.last_duration(), duration);
+    std::ostringstream again;
+    Copier copier(again, reader.info(), reader.steps());
+    copier.append(reader, 0, {0, model.pts});
+    copier.finish(reader.last_duration());
+    EXPECT_EQ(bytes_of(again), bytes_of(out));
+  }
+}
+
 TEST(Copier, AWholeDocumentKeepsItsBytes) {
   for (int degree = 1; degree <= 3; ++degree) {
     const std::vector<std::byte> bytes = moving_document(degree);

@@ -8,6 +8,7 @@
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/pipeline/render_job.h"
+#include "knotreel/pipeline/sequence.h"
 #include "pipeline/document_sink.h"
 #include "pipeline/schedule.h"
 #include "support/clips.h"
@@ -250,26 +251,59 @@ TEST_F(PipelineRun, ADocumentGivesTheVideoBack) {
             (std::vector{times_[2] - begin, times_[3] - begin, times_[4] - begin}));
 }
 
+/// Of the last frame, in seconds.
+double last_duration_of(const std::string& video) {
+  video::VideoReader reader = video::VideoReader::open(video);
+  video::Frame frame;
+  while (reader.next(frame)) continue;
+  return double(frame.duration) * reader.info().time_base.value();
+}
+
+/// A video of frames that last so many milliseconds.
+void write_lasting(const std::string& path, const std::vector<std::int64_t>& durations) {
+  video::StreamInfo info;
+  info.width = 64;
+  info.height = 48;
+  info.time_base = {1, 1000};
+  info.frame_rate = {25, 1};
+  video::VideoWriter writer = video::VideoWriter::create(path, info);
+  std::int64_t time = 0;
+  for (std::size_t i = 0; i < durations.size(); ++i) {
+    writer.write(test::moving_picture(64, 48, 3, int(i)), time, durations[i]);
+    time += durations[i];
+  }
+  writer.finish();
+}
+
 TEST_F(PipelineRun, TheLastFrameLastsAsLongAsInTheSource) {
-  const auto last_duration = [](const std::string& file) {
-    video::VideoReader reader = video::VideoReader::open(file);
-    video::Frame frame;
-    while (reader.next(frame)) continue;
-    return double(frame.duration) * reader.info().time_base.value();
-  };
   const std::string clip = path("odd.mkv");
-  test::write_clip(clip, 3);  // the last one lasts twice as long as the frame rate says
-  ASSERT_NEAR(last_duration(clip), 0.08, 1e-9);
+  for (const std::int64_t last : {80, 3000, 40}) {
+    write_lasting(clip, {40, 40, last});
+    ASSERT_NEAR(last_duration_of(clip), double(last) / 1000, 1e-9);
+    video::VideoReader reader = video::VideoReader::open(clip);
+    Job job = job_of(reader);
+    job.document = path("odd.tcb");
+    run_graph(job);
+    document::Reader document = document::Reader::open(job.document);
+    RenderJob render;
+    render.reader = &document;
+    render.video.path = path("back.mkv");
+    run_render(render);
+    EXPECT_NEAR(last_duration_of(render.video.path), double(last) / 1000, 1e-9);
+  }
+}
+
+/// The end of the source is not that of what has been made until then.
+TEST_F(PipelineRun, TheLastFrameOfAnInterruptedRunLastsUntilTheNextOneOfTheSource) {
+  const std::string clip = path("long.mkv");
+  write_lasting(clip, {40, 40, 700, 40, 3000});
   video::VideoReader reader = video::VideoReader::open(clip);
   Job job = job_of(reader);
-  job.document = path("odd.tcb");
-  run_graph(job);
-  document::Reader document = document::Reader::open(job.document);
-  RenderJob render;
-  render.reader = &document;
-  render.video.path = path("back.mkv");
-  run_render(render);
-  EXPECT_NEAR(last_duration(render.video.path), 0.08, 1e-9);
+  job.document = path("part.tcb");
+  int asked = 0;
+  job.stop = [&] { return ++asked > 3; };
+  EXPECT_EQ(run_sequential(job).frames, 3u);
+  EXPECT_EQ(last_duration(document::Reader::open(job.document)), 700);
 }
 
 TEST_F(PipelineRun, AnotherRateMakesFramesInBetween) {

@@ -72,5 +72,21 @@ TEST(Sequence, TheNominalDurationIsThatOfTheFrameRate) {
   EXPECT_EQ(nominal_duration({}), 0);
 }
 
+TEST(Sequence, ADocumentTellsOnlyADurationThatItsMetadataDoNot) {
+  video::StreamInfo stream = odd_stream();
+  stream.time_base = {1, 1000};
+  stream.frame_rate = {25, 1};
+  stream.end = 200;
+  const document::SequenceInfo info = sequence_info(stream, "in.mov", 2);
+  EXPECT_EQ(duration_to_tell(info, {150, 30, 50}), 0);
+  EXPECT_EQ(duration_to_tell(info, {150, 30, 40}), 40);
+  EXPECT_EQ(duration_to_tell(info, {0, 0, 200}), 200);  // far from the end the rate is what counts
+  EXPECT_EQ(duration_to_tell(info, {0, 0, 40}), 0);
+  stream.end = 0;
+  stream.frame_rate = {};
+  EXPECT_EQ(duration_to_tell(sequence_info(stream, "in.mov", 2), {150, 30, 30}), 0);
+  EXPECT_EQ(duration_to_tell(sequence_info(stream, "in.mov", 2), {150, 30, 31}), 31);
+}
+
 }  // namespace
 }  // namespace knotreel::pipeline

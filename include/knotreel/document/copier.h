@@ -43,8 +43,9 @@ class Copier {
   /// Error{kInput} if it is damaged, Error{kOutput} if writing fails.
   std::size_t append(Reader& from, std::size_t frame, const Place& place);
 
-  /// Writes the index. Call once, last. @throws Error{kOutput}.
-  void finish();
+  /// Writes the index. Call once, last. @param last_duration  Reader::last_duration() of the document.
+  /// @throws Error{kOutput}.
+  void finish(std::int64_t last_duration = 0);
 
  private:
   class Impl;

@@ -65,6 +65,9 @@ class Reader {
 
   std::uint64_t file_bytes() const;
 
+  /// Ticks that the last frame is shown; 0 if the document does not tell.
+  std::int64_t last_duration() const;
+
   /// @throws Error{kInvalidArgument} if there is no such frame.
   const FrameRecord& record(std::size_t frame) const;
 

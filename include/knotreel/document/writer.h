@@ -49,8 +49,9 @@ class Writer {
   /// of range (nothing is written then), Error{kOutput} if writing fails.
   FrameModel append(const FrameModel& model);
 
-  /// Writes the index. Call once, last. @throws Error{kOutput}.
-  void finish();
+  /// Writes the index. Call once, last. @param last_duration  Reader::last_duration() of the document.
+  /// @throws Error{kOutput}.
+  void finish(std::int64_t last_duration = 0);
 
  private:
   class Impl;

@@ -19,8 +19,17 @@ video::StreamInfo stream_info(const document::SequenceInfo& info);
 /// Ticks that a frame lasts at the frame rate; 0 if that is not known.
 std::int64_t nominal_duration(const video::StreamInfo& stream);
 
-/// Ticks that the last frame of a document lasts: up to the end of its source if that is told, and unless the
-/// document ends long before; else as long as the frame rate says, or the frame before.
+/// Ticks that the last frame of a document lasts, as it tells. If it does not: up to the end of its source if
+/// that is told, and unless the document ends long before; else as long as the frame rate says, or the frame
+/// before.
 std::int64_t last_duration(const document::Reader& reader);
+
+/// The last frame of a document. The step to it from the frame before is 0 if it is the only one.
+struct LastFrame {
+  std::int64_t pts = 0, step = 0, duration = 0;
+};
+
+/// What a document has to tell of the duration of its last frame: 0 if last_duration() finds it out.
+std::int64_t duration_to_tell(const document::SequenceInfo& info, const LastFrame& last);
 
 }  // namespace knotreel::pipeline
