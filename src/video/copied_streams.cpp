@@ -78,7 +78,8 @@ bool may_take(const AVOutputFormat& container, const AVCodecParameters& candidat
   return answer > 0 || (answer < 0 && container.audio_codec != AV_CODEC_ID_NONE);
 }
 
-/// Muxers tell what they cannot hold when the header is written; so one is written, into memory.
+/// Muxers tell what they cannot hold, or not beside what is there already, when the header is written; so one
+/// is written, into memory.
 bool takes(const AVFormatContext& output, const AVStream& candidate) {
   if (!may_take(*output.oformat, *candidate.codecpar)) return false;
   AVFormatContext* made = nullptr;
@@ -88,6 +89,7 @@ bool takes(const AVFormatContext& output, const AVStream& candidate) {
   AVStream* video = allocated(avformat_new_stream(trial.get(), nullptr));
   if (avcodec_parameters_copy(video->codecpar, output.streams[0]->codecpar) < 0) throw std::bad_alloc();
   video->time_base = output.streams[0]->time_base;
+  for (unsigned i = 1; i < output.nb_streams; ++i) copy_stream(*output.streams[i], *trial);
   copy_stream(candidate, *trial);
   return avio_open_dyn_buf(&trial->pb) >= 0 && avformat_write_header(trial.get(), nullptr) >= 0;
 }

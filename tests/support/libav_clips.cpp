@@ -221,6 +221,17 @@ void write_sound_clip(const std::string& path, const std::string& codec, bool vi
   end(output);
 }
 
+void write_clip_with_two_sounds(const std::string& path) {
+  AVFormatContext* output = new_clip(path);
+  Track picture = add_video(*output);
+  Track first = add_sound(*output, "aac"), second = add_sound(*output, "aac");
+  begin(*output, path);
+  send_sound(*output, first, 1);
+  send_sound(*output, second, 1);
+  send_video(*output, picture, 1);
+  end(output);
+}
+
 void write_open_gop_clip(const std::string& path, int seconds) {
   AVFormatContext* output = new_clip(path);
   Track picture = add_open_gop_video(*output);

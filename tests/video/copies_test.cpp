@@ -68,6 +68,17 @@ TEST(Copies, WhatTheContainerDoesNotTakeIsLeftOutAndTold) {
   }
 }
 
+/// One track of sound each, which the container says of all together.
+TEST(Copies, WhatTheContainerDoesNotTakeBesideAnotherIsLeftOut) {
+  const TempDir dir;
+  write_clip_with_two_sounds(dir / "two.mkv");
+  const std::vector<std::string> warnings = copy_clip(dir / "two.mkv", dir / "b.flv");
+  ASSERT_EQ(warnings.size(), 1u);
+  EXPECT_EQ(warnings[0], "stream 2 (audio, aac) is left out: container 'flv' does not take it");
+  EXPECT_FALSE(read_clip(dir / "b.flv").packets.empty());
+  EXPECT_TRUE(copy_clip(dir / "two.mkv", dir / "b.mkv").empty());
+}
+
 TEST(Copies, AreNotAmongTheBytesOfRawPictures) {
   const TempDir dir;
   write_sound_clip(dir / "a.mp4", "aac", true);
