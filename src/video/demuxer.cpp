@@ -5,7 +5,6 @@
 #include <fstream>
 #include <sstream>
 
-#include "file_end.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
 
@@ -148,8 +147,19 @@ bool Demuxer::ends_in_a_frame() const {
          avio_tell(format_->pb) > packets_end_;
 }
 
-bool Demuxer::lacks_its_end() const {
-  return input_ != "-" && knotreel::video::lacks_its_end(input_, format_->iformat->name);
+/// Whether the last sample that the index of an MP4 lists has been read. That of a file in fragments grows
+/// with what is read, and tells nothing.
+bool Demuxer::has_read_index() const {
+  const bool whole_index = std::string_view(format_->iformat->name).find("mp4") != std::string_view::npos &&
+                           video()->nb_frames > 0;
+  const int count = avformat_index_get_entries_count(video());
+  if (!whole_index || count == 0 || video_dts_ == AV_NOPTS_VALUE) return false;
+  return video_dts_ >= avformat_index_get_entry(video(), count - 1)->timestamp;
+}
+
+FileEnd Demuxer::end() const {
+  if (has_read_index()) return FileEnd::kThere;
+  return input_ == "-" ? FileEnd::kUnknown : end_of_file(input_, format_->iformat->name);
 }
 
 /// Of other formats, some know only when packets are decoded, and some have clocks that jump.
@@ -178,6 +188,7 @@ PacketPtr Demuxer::read(std::string& why) {
       return {};
     }
     if (packet->pos >= 0) packets_end_ = packet->pos + packet->size;
+    if (packet->stream_index == video_) video_dts_ = packet->dts;
     // Streams may turn up late, when everything has been set up without them.
     if (packet->stream_index == video_ || copied(packet->stream_index)) return packet;
     av_packet_unref(packet.get());

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "file_end.h"
 #include "knotreel/video/reader.h"
 #include "libav.h"
 #include "pipe_io.h"
@@ -35,8 +36,8 @@ class Demuxer {
   /// of when frames are shown. @param pts ticks of the video stream. @return whether it did.
   bool seek(std::int64_t pts);
 
-  /// Whether the file is shorter than it tells, which read() does not find.
-  bool lacks_its_end() const;
+  /// Whether the file is as long as it tells, which read() does not find. To be asked when all is read.
+  FileEnd end() const;
 
   /// What is read, once more; null if it is neither a regular file nor in memory.
   std::unique_ptr<std::istream> from_its_start() const;
@@ -53,12 +54,14 @@ class Demuxer {
   void discard_others();
   bool ends_in_a_frame() const;
   bool has_index() const;
+  bool has_read_index() const;
 
   std::string input_, cannot_read_;
   std::unique_ptr<PipeIo> pipe_;  ///< if it is one; before what reads it
   std::unique_ptr<AVFormatContext, Closer> format_;
   int video_ = -1;
-  std::int64_t packets_end_ = 0;  ///< of those read so far, bytes
+  std::int64_t packets_end_ = 0;             ///< of those read so far, bytes
+  std::int64_t video_dts_ = AV_NOPTS_VALUE;  ///< of the last packet of the video
   bool copy_ = false;
 };
 

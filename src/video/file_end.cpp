@@ -12,6 +12,12 @@
 namespace knotreel::video {
 namespace {
 
+using std::string_view_literals::operator""sv;
+
+FileEnd missing_if(bool lacks_its_end) {
+  return lacks_its_end ? FileEnd::kMissing : FileEnd::kThere;
+}
+
 std::string read_part(std::ifstream& file, std::uint64_t at, std::size_t count) {
   std::string bytes(count, '\0');
   file.clear();
@@ -41,19 +47,79 @@ ElementSize element_size(std::string_view bytes) {
   return {value, count, value != all};
 }
 
+/// Whether elements follow each other from one place to another. A file of the right size may be filled up
+/// with zeros, which are none.
+bool are_elements(std::ifstream& file, std::uint64_t at, std::uint64_t end) {
+  while (at < end) {
+    const std::string start = read_part(file, at, 12);
+    const std::size_t id = start.empty() ? 0 : std::size_t(std::countl_zero(std::uint8_t(start[0]))) + 1;
+    if (id < 1 || id > 4 || start.size() < id) return false;
+    const ElementSize element = element_size(std::string_view(start).substr(id));
+    if (!element.known || element.value > end - at) return false;
+    at += id + element.bytes + element.value;
+  }
+  return at == end;
+}
+
 /// A Matroska file is an EBML header and a segment; whoever could not go back to the start leaves its size
 /// open.
-bool matroska_lacks_its_end(std::ifstream& file, std::uint64_t size) {
+FileEnd end_of_matroska(std::ifstream& file, std::uint64_t size) {
   constexpr std::string_view kHeader = "\x1A\x45\xDF\xA3", kSegment = "\x18\x53\x80\x67";
   const std::string start = read_part(file, 0, 12);
-  if (!start.starts_with(kHeader)) return false;
+  if (!start.starts_with(kHeader)) return FileEnd::kUnknown;
   const ElementSize header = element_size(std::string_view(start).substr(4));
-  if (!header.known || header.value > size) return false;
+  if (!header.known || header.value > size) return FileEnd::kUnknown;
   const std::uint64_t at = 4 + header.bytes + header.value;
   const std::string next = read_part(file, at, 12);
-  if (!next.starts_with(kSegment)) return false;
+  if (!next.starts_with(kSegment)) return FileEnd::kUnknown;
   const ElementSize segment = element_size(std::string_view(next).substr(4));
-  return segment.known && segment.value > size - std::min(size, at + 4 + segment.bytes);
+  if (!segment.known) return FileEnd::kUnknown;
+  const std::uint64_t begin = std::min(size, at + 4 + segment.bytes);
+  if (segment.value > size - begin) return FileEnd::kMissing;
+  return are_elements(file, begin, begin + segment.value) ? FileEnd::kThere : FileEnd::kUnknown;
+}
+
+std::uint32_t little_endian(std::string_view bytes) {
+  std::uint32_t value = 0;
+  for (std::size_t i = 4; i > 0; --i) value = value << 8 | std::uint8_t(bytes[i - 1]);
+  return value;
+}
+
+/// Whether chunks follow each other from one place to another, each at an even one.
+bool are_chunks(std::ifstream& file, std::uint64_t at, std::uint64_t end) {
+  while (at + 8 <= end) {
+    const std::string start = read_part(file, at, 8);
+    if (start.size() < 8 || start[0] == '\0') return false;
+    at += 8 + (std::uint64_t(little_endian(std::string_view(start).substr(4))) + 1) / 2 * 2;
+  }
+  return at <= end + 1;
+}
+
+/// An AVI file is one RIFF chunk, or several of about a gigabyte. Some count the eight bytes before a chunk
+/// as of it. Whoever could not go back to the start tells a size of zero.
+FileEnd end_of_avi(std::ifstream& file, std::uint64_t size) {
+  constexpr std::uint64_t kHeader = 12;
+  for (std::uint64_t at = 0; at + kHeader <= size;) {
+    const std::string start = read_part(file, at, kHeader);
+    if (!start.starts_with("RIFF")) break;
+    const std::uint64_t bytes = little_endian(std::string_view(start).substr(4));
+    if (bytes == 0) return FileEnd::kUnknown;
+    if (at + bytes > size) return FileEnd::kMissing;
+    const std::uint64_t end = std::min(size, at + 8 + bytes);
+    if (!are_chunks(file, at + kHeader, end)) return FileEnd::kUnknown;
+    at = end + end % 2;
+  }
+  return FileEnd::kThere;
+}
+
+/// libav's NUT files end with an index, whose last twelve bytes tell how far back it begins, and a checksum.
+bool nut_lacks_its_end(std::ifstream& file, std::uint64_t size) {
+  constexpr std::string_view kIndex = "\x4E\x58\xDD\x67\x2F\x23\xE6\x4E";
+  const std::string end = read_part(file, size - std::min<std::uint64_t>(size, 12), 12);
+  if (end.size() < 12) return true;
+  std::uint64_t back = 0;
+  for (std::size_t i = 0; i < 8; ++i) back = back << 8 | std::uint8_t(end[i]);
+  return back > size || read_part(file, size - back, kIndex.size()) != kIndex;
 }
 
 /// The last page (RFC 3533, section 6) must be whole, and the last of its stream.
@@ -93,21 +159,38 @@ bool transport_stream_lacks_its_end(std::ifstream& file, std::uint64_t size) {
   });
 }
 
+/// The header of an ASF file (as WMV is one) tells the size of it all, or zero.
+FileEnd end_of_asf(std::ifstream& file, std::uint64_t size) {
+  constexpr std::string_view kFileProperties =
+      "\xA1\xDC\xAB\x8C\x47\xA9\xCF\x11\x8E\xE4\x00\xC0\x0C\x20\x53\x65"sv;
+  constexpr std::size_t kSizeInObject = 40, kMostHeader = 65536;
+  const std::string start = read_part(file, 0, kMostHeader);
+  const std::size_t at = start.find(kFileProperties);
+  if (at == std::string::npos || start.size() - at < kSizeInObject + 8) return FileEnd::kUnknown;
+  const std::string_view bytes = std::string_view(start).substr(at + kSizeInObject);
+  const std::uint64_t told = std::uint64_t(little_endian(bytes.substr(4))) << 32 | little_endian(bytes);
+  if (told == 0) return FileEnd::kUnknown;
+  return missing_if(told > size);
+}
+
 }  // namespace
 
-bool lacks_its_end(const std::string& path, const std::string& format) {
+FileEnd end_of_file(const std::string& path, const std::string& format) {
   std::error_code error;
-  if (!std::filesystem::is_regular_file(path, error)) return false;
+  if (!std::filesystem::is_regular_file(path, error)) return FileEnd::kUnknown;
   const std::uint64_t size = std::filesystem::file_size(path, error);
   std::ifstream file(path, std::ios::binary);
-  if (error || !file) return false;
-  if (format == "matroska,webm") return matroska_lacks_its_end(file, size);
-  if (format == "ogg") return ogg_lacks_its_end(file, size);
-  if (format == "gif") return lacks_marker(file, size, "\x3B");
-  if (format == "apng") return lacks_marker(file, size, "IEND\xAE\x42\x60\x82");
-  if (format == "mpegts") return transport_stream_lacks_its_end(file, size);
-  if (format == "mjpeg") return lacks_marker(file, size, "\xFF\xD9");
-  return false;
+  if (error || !file) return FileEnd::kUnknown;
+  if (format == "matroska,webm") return end_of_matroska(file, size);
+  if (format == "avi") return end_of_avi(file, size);
+  if (format == "asf") return end_of_asf(file, size);
+  if (format == "nut") return missing_if(nut_lacks_its_end(file, size));
+  if (format == "ogg") return missing_if(ogg_lacks_its_end(file, size));
+  if (format == "gif") return missing_if(lacks_marker(file, size, "\x3B"));
+  if (format == "apng") return missing_if(lacks_marker(file, size, "IEND\xAE\x42\x60\x82"));
+  if (format == "mjpeg") return missing_if(lacks_marker(file, size, "\xFF\xD9"));
+  if (format == "mpegts" && transport_stream_lacks_its_end(file, size)) return FileEnd::kMissing;
+  return FileEnd::kUnknown;
 }
 
 }  // namespace knotreel::video

@@ -1,14 +1,19 @@
 #pragma once
 
+#include <cstdint>
 #include <string>
 
 namespace knotreel::video {
 
-/// Whether a file is cut short by what its format tells of its own end; most demuxers of libav take a file
-/// that is cut short for one that ends there. Knows Matroska (the size of its segment), Ogg (its last page),
-/// GIF, APNG and Motion JPEG (markers at the end), MPEG transport streams (whole packets).
+/// kUnknown also where a file that is cut short may look like that.
+enum class FileEnd : std::uint8_t { kUnknown, kMissing, kThere };
+
+/// What the format of a file tells of its end; most demuxers of libav take a file that is cut short for one
+/// that ends there. Knows Matroska and AVI (the sizes of their elements), NUT (its index), Ogg (its last
+/// page), GIF, APNG and Motion JPEG (markers at the end), ASF (the size told), MPEG transport streams (whole
+/// packets).
 /// @param format  name of the demuxer
-/// @return false if the format tells of no end, or the input is no regular file.
-bool lacks_its_end(const std::string& path, const std::string& format);
+/// @return kUnknown if the format tells of no end, or the input is no regular file.
+FileEnd end_of_file(const std::string& path, const std::string& format);
 
 }  // namespace knotreel::video

@@ -76,11 +76,19 @@ std::int64_t in_range(std::int64_t ticks) {
   return is_time(ticks) ? ticks : 0;
 }
 
+/// Whether what is told for a rate is how fine the clock is, as by H.264 whose rate varies.
+bool is_of_ticks(AVRational rate, AVRational time_base) {
+  constexpr AVRational kFine{1, 1000};
+  return rate.num > 0 && av_cmp_q(time_base, kFine) < 0 && av_cmp_q(rate, av_inv_q(time_base)) >= 0;
+}
+
 /// Time base and rate, which depend on each other where a source has no times.
 void describe_times(StreamInfo& info, AVFormatContext& format, AVStream& stream,
                     const AVCodecContext& decoder, const ReadOptions& options) {
   const bool told = options.demuxer_options.contains("framerate");
-  info.frame_rate = from_av(av_guess_frame_rate(&format, &stream, nullptr));
+  AVRational rate = av_guess_frame_rate(&format, &stream, nullptr);
+  if (is_of_ticks(rate, stream.time_base)) rate = stream.avg_frame_rate;
+  info.frame_rate = is_of_ticks(rate, stream.time_base) ? Rational{} : from_av(rate);
   if (!info.timestamps && !told && decoder.framerate.num > 0) info.frame_rate = from_av(decoder.framerate);
   if (reads_pictures(*format.iformat) && !told) info.frame_rate = options.image_rate;
   info.time_base = from_av(stream.time_base);
@@ -103,7 +111,7 @@ void estimate_length(StreamInfo& info, const AVFormatContext& format, const AVSt
   info.frames = stream.nb_frames > 0 ? std::uint64_t(stream.nb_frames)
                                      : std::uint64_t(in_range(info.seconds * info.frame_rate.value()));
   const bool seekable = format.pb != nullptr && (format.pb->seekable & AVIO_SEEKABLE_NORMAL) != 0;
-  info.end = in_range(told_end(stream) / info.time_base.value());
+  info.end = in_range(told_end(format, stream) / info.time_base.value());
   info.still = reads_pictures(*format.iformat) && stream.nb_frames <= 1 && seekable;
   if (info.still) info.frames = 1;
 }
@@ -150,12 +158,18 @@ void describe_filtered(StreamInfo& info, const AVFrame& first, AVRational time_b
   info.end = 0;
 }
 
-double told_end(const AVStream& stream) {
+double told_end(const AVFormatContext& format, const AVStream& stream) {
+  constexpr double kRounding = 0.01;  // seconds
   if (stream.duration > 0 && stream.start_time != AV_NOPTS_VALUE) {
     return (double(stream.start_time) + double(stream.duration)) * av_q2d(stream.time_base);
   }
   const AVDictionaryEntry* entry = av_dict_get(stream.metadata, "DURATION", nullptr, 0);
-  return entry == nullptr ? 0 : seconds_of(entry->value);
+  const double end = entry == nullptr ? 0 : seconds_of(entry->value);
+  if (format.duration <= 0) return end;
+  // A tag from before the file was cut by a tool that knows nothing of it tells of more than there is.
+  const double length = double(format.duration) / AV_TIME_BASE;
+  const double begin = format.start_time == AV_NOPTS_VALUE ? 0 : double(format.start_time) / AV_TIME_BASE;
+  return end <= begin + length + kRounding ? end : 0;
 }
 
 Rational sample_aspect_at(const StreamInfo& stream, int width, int height) {

@@ -14,7 +14,7 @@ StreamInfo describe_stream(AVFormatContext& format, AVStream& stream, const AVCo
 void describe_filtered(StreamInfo& info, const AVFrame& first, AVRational time_base, AVRational rate);
 
 /// When a track ends, in seconds; 0 if it is not told.
-double told_end(const AVStream& stream);
+double told_end(const AVFormatContext& format, const AVStream& stream);
 
 /// All streams, those that are left out too.
 std::vector<StreamEntry> list_streams(const AVFormatContext& format);

@@ -254,25 +254,34 @@ void StreamSource::stamp(AVFrame& frame) {
   last_duration_ = duration_of(frame, decoded_info_);
 }
 
+/// Nothing is missing, for certain.
+bool StreamSource::is_whole() const {
+  return !cut_short_ && demuxer_.end() == FileEnd::kThere;
+}
+
 /// What stands beside the last frame may be nothing (Matroska), or the time until the next frame to be
-/// decoded (mp4); the end of the track tells better.
+/// decoded (mp4); the end of the track tells better. Far away it is that of a last frame which is long, or of
+/// others that are not there.
 std::int64_t StreamSource::last_duration(const AVFrame& frame) const {
   const std::int64_t usual = duration_of(frame, info_);
-  if (info_.end <= 0 || usual <= 0) return usual;
   const std::int64_t told = info_.end - frame.pts;
-  return told > usual / 4 && told < usual * 4 ? told : usual;
+  if (info_.end <= 0 || told <= usual / 4) return usual;
+  return told < usual * 4 || is_whole() ? told : usual;
 }
 
 /// What is not there of what the input tells of its own length; empty if nothing is missed.
 std::string StreamSource::what_is_missing() const {
+  const FileEnd end = demuxer_.end();
+  if (end == FileEnd::kThere) return "";
   const bool guessed = demuxer_.format()->duration_estimation_method == AVFMT_DURATION_FROM_BITRATE;
   if (decoded_info_.timestamps && !guessed) {
     const double tick = decoded_info_.time_base.value();
-    const double missing = told_end(*demuxer_.video()) - (double(last_pts_) + double(last_duration_)) * tick;
+    const double missing =
+        told_end(*demuxer_.format(), *demuxer_.video()) - (double(last_pts_) + double(last_duration_)) * tick;
     if (missing >= std::max(0.2, 3 * double(last_duration_) * tick))
       return "it tells of " + std::to_string(missing) + " s more";
   }
-  return demuxer_.lacks_its_end() ? "the end of the file is missing" : "";
+  return end == FileEnd::kMissing ? "the end of the file is missing" : "";
 }
 
 void StreamSource::check_end() {

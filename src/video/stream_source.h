@@ -40,6 +40,7 @@ class StreamSource : public Source {
   void take_video(PacketPtr packet);
   void damage(const std::string& why);
   void stamp(AVFrame& frame);
+  bool is_whole() const;
   std::int64_t last_duration(const AVFrame& frame) const;
   void look_ahead();
   void look_at(AVFrame& frame);
