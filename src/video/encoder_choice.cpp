@@ -257,11 +257,16 @@ void set_named_preset(const AVCodec& encoder, Options& dictionary, const std::st
   dictionary.set("preset", preset);
 }
 
+void add_to_list(Options& dictionary, const std::string& key, const std::string& value) {
+  const std::string before = dictionary.value(key);
+  dictionary.set(key, before.empty() ? value : before + ":" + value);
+}
+
 /// Sums of x264's lookahead read memory that was never written, if they use AVX-512: another stream each
 /// time.
 void keep_repeatable(Options& dictionary) {
   if ((av_get_cpu_flags() & AV_CPU_FLAG_AVX512) == 0) return;
-  dictionary.set("x264-params", "asm=sse2fast,lzcnt,avx2,bmi2,fma3");
+  add_to_list(dictionary, "x264-params", "asm=sse2fast,lzcnt,avx2,bmi2,fma3");
 }
 
 /// @throws Error{kInvalidArgument} for a tuning or profile that x264 does not have.
@@ -287,9 +292,11 @@ void set_options(const AVCodec& encoder, Options& dictionary,
       set_named_preset(encoder, dictionary, value);
       continue;
     }
-    const bool is_list = key == "x264-params" || key == "x265-params";
-    const std::string before = is_list ? dictionary.value(key) : std::string();
-    dictionary.set(key, before.empty() ? value : before + ":" + value);
+    if (key == "x264-params" || key == "x265-params") {
+      add_to_list(dictionary, key, value);
+    } else {
+      dictionary.set(key, value);
+    }
   }
 }
 

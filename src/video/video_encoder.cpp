@@ -4,6 +4,7 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <string_view>
 
 #include "carried_colours.h"
 #include "colour_rules.h"
@@ -105,7 +106,7 @@ VideoEncoder::VideoEncoder(const StreamInfo& frames, const WriteOptions& options
   if ((container.flags & AVFMT_GLOBALHEADER) != 0) encoder_->flags |= AV_CODEC_FLAG_GLOBAL_HEADER;
   set_colours();
   set_times(container);
-  open(options);
+  open(options, container);
 }
 
 void VideoEncoder::set_colours() {
@@ -129,12 +130,20 @@ void VideoEncoder::set_times(const AVOutputFormat& container) {
   fills_gaps_ = has_list && counts_frames(container);
   if (has_list || has_fixed_rate(container) || has_fixed_rate(*encoder_))
     encoder_->time_base = av_inv_q(encoder_->framerate);
+  if (encoder_->codec_id == AV_CODEC_ID_MPEG4) {
+    AVRational& unit = encoder_->time_base;  // that of an average rate may have any numbers
+    av_reduce(&unit.num, &unit.den, unit.num, unit.den, kMpeg4Ticks);
+  }
 }
 
-void VideoEncoder::open(const WriteOptions& options) {
+void VideoEncoder::open(const WriteOptions& options, const AVOutputFormat& container) {
   Options dictionary;
-  set_quality(*encoder_, dictionary, options);
   const std::string name = encoder_->codec->name;  // a failure takes the codec away
+  // Readers of transport streams know no rate but the stream's, and x264 would tell them its ticks for
+  // frames.
+  if (name == "libx264" && std::string_view(container.name) == "mpegts")
+    dictionary.set("x264-params", "force-cfr=1");
+  set_quality(*encoder_, dictionary, options);
   clears_ = name == "gif" && info_.channels % 2 == 0;
   if (clears_) dictionary.set("gifflags", "0");  // whole pictures
   if (name == "hap" && info_.channels % 2 == 0) dictionary.set("format", "hap_alpha");
@@ -160,15 +169,18 @@ void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64
   frame->chroma_location = encoder_->chroma_sample_location;
   frame->sample_aspect_ratio = encoder_->sample_aspect_ratio;
   frame->quality = encoder_->global_quality;  // where AV_CODEC_FLAG_QSCALE is looked for
-  const AVRational from = to_av(info_.time_base), to = time_base();
   const std::int64_t begin = pts - info_.start;
+  if (last_pts_ == AV_NOPTS_VALUE) {
+    first_pts_ = ticks_of(begin);
+    first_time_ = begin;
+  }
   frame->pts = ticks_of(begin) - cut_out_;
   if (last_pts_ != AV_NOPTS_VALUE) frame->pts = std::max(frame->pts, last_pts_ + 1);
   if (fills_gaps_) {
     cut_gap_before(*frame, warnings);
     repeat_until(frame->pts, receiver);
   }
-  if (av_compare_ts(frame->pts, to, begin, from) != 0) {
+  if (is_moved(frame->pts, begin)) {
     warnings.count("frames are moved in time, because this output has a fixed rate");
   }
   last_pts_ = frame->pts;
@@ -179,17 +191,32 @@ void VideoEncoder::write(const image::Image& image, std::int64_t pts, std::int64
   last_.reset(allocated(av_frame_clone(frame.get())));
 }
 
-/// A time of the source in ticks of the output, held so far from the ends of 64 bits that sums of some are
-/// not beyond them.
+/// A time of the source in ticks of the output, counted from the first frame, so that others do not come now
+/// earlier, now later, if that one lies between two ticks. Held so far from the ends of 64 bits that sums of
+/// some are not beyond them.
 std::int64_t VideoEncoder::ticks_of(std::int64_t time) const {
   constexpr std::int64_t kMost = std::int64_t{1} << 61;
-  const std::int64_t ticks = av_rescale_q(time, to_av(info_.time_base), time_base());
-  if (ticks == std::numeric_limits<std::int64_t>::min()) return time < 0 ? -kMost : kMost;  // it does not fit
-  return std::clamp(ticks, -kMost, kMost);
+  const std::int64_t since = time - first_time_;
+  const std::int64_t ticks = av_rescale_q(since, to_av(info_.time_base), time_base());
+  if (ticks == std::numeric_limits<std::int64_t>::min())
+    return since < 0 ? -kMost : kMost;  // it does not fit
+  return std::clamp(first_pts_ + std::clamp(ticks, -kMost, kMost), -kMost, kMost);
 }
 
 std::int64_t VideoEncoder::most_repeats() const {
   return std::max<std::int64_t>(1, std::llround(kLongestGap / av_q2d(time_base())));
+}
+
+/// Whether a frame comes at another time than that of the source, both seen from the first frame. What the
+/// source's own clock had rounded, such as the milliseconds of Matroska, is none.
+bool VideoEncoder::is_moved(std::int64_t pts, std::int64_t time) const {
+  constexpr double kTicksOfFrame = 3;  // where ticks are so much finer than frames
+  const AVRational from = to_av(info_.time_base), to = time_base();
+  const bool rounds =
+      info_.frame_rate.known() && kTicksOfFrame * av_q2d(from) * info_.frame_rate.value() <= 1;
+  const std::int64_t slack = rounds ? 1 : 0;
+  const std::int64_t at = pts - first_pts_, wanted = time - first_time_;
+  return av_compare_ts(at, to, wanted - slack, from) < 0 || av_compare_ts(at, to, wanted + slack, from) > 0;
 }
 
 void VideoEncoder::cut_gap_before(AVFrame& frame, Warnings& warnings) {

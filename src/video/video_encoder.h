@@ -34,9 +34,10 @@ class VideoEncoder {
  private:
   void set_colours();
   void set_times(const AVOutputFormat& container);
-  void open(const WriteOptions& options);
+  void open(const WriteOptions& options, const AVOutputFormat& container);
   std::int64_t ticks_of(std::int64_t time) const;
   std::int64_t most_repeats() const;
+  bool is_moved(std::int64_t pts, std::int64_t time) const;
   void cut_gap_before(AVFrame& frame, Warnings& warnings);
   void repeat_until(std::int64_t pts, const Receiver& receiver);
   void send(AVFrame* frame, const Receiver& receiver);
@@ -44,6 +45,7 @@ class VideoEncoder {
   StreamInfo info_;
   CodecPtr encoder_;
   std::map<std::int64_t, std::int64_t> durations_;  // of frames in the encoder, by their time
+  std::int64_t first_time_ = 0, first_pts_ = 0;     // of the source, of the output
   std::int64_t last_pts_ = AV_NOPTS_VALUE;
   std::int64_t last_end_ = 0;
   bool fills_gaps_ = false;   // with repeated frames, where times are not kept and rates are not free

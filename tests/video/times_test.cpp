@@ -98,6 +98,67 @@ TEST(Times, AreMovedWithAWarningWhereTheRateIsFixed) {
   EXPECT_EQ(read_clip(dir / "a.avi").frames.size(), 9u);
 }
 
+/// The average of a rate that varies has large numbers, which MPEG-4 does not take.
+TEST(Times, OfAnyRateAreForMpeg4) {
+  const TempDir dir;
+  ClipSpec clip = variable_rate();
+  clip.info.frame_rate = {750000, 71393};
+  write_clip(dir / "a.avi", clip);
+  write_clip(dir / "a.mkv", clip, with_codec("mpeg4"));
+  for (const char* name : {"a.avi", "a.mkv"}) {
+    const WholeClip back = read_clip(dir / name);
+    EXPECT_EQ(back.frames.size(), 9u);
+    EXPECT_NEAR(back.info.frame_rate.value(), 10.505, 0.01) << name;
+  }
+}
+
+std::vector<std::string> warnings_of(const std::string& path, const ClipSpec& clip) {
+  VideoWriter writer = VideoWriter::create(path, clip.info);
+  for (std::size_t i = 0; i < clip.images.size(); ++i)
+    writer.write(clip.images[i], clip.pts[i], clip.durations[i]);
+  writer.finish();
+  return writer.warnings();
+}
+
+/// Neither the milliseconds of Matroska nor the time of the first frame, which may lie between two ticks.
+TEST(Times, WhichTheSourceHasRoundedAreNotMoved) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(64, 48, 3, 24);
+  clip.info.frame_rate = {24, 1};
+  clip.info.time_base = {1, 1000};
+  for (const std::int64_t first : {0, 21, 23}) {
+    for (std::size_t i = 0; i < 24; ++i) clip.pts[i] = first + std::int64_t(i) * 1000 / 24;
+    for (const char* name : {"a.avi", "a.h264", "a.y4m"}) {
+      EXPECT_TRUE(warnings_of(dir / name, clip).empty()) << name << first;
+      EXPECT_EQ(read_clip(dir / name).frames.size(), 24u);
+    }
+    const WholeClip back = read_clip(dir / "a.avi");
+    // The first one may stay longer: AVI has no late start.
+    for (std::size_t i = 2; i < 24; ++i) EXPECT_EQ(back.frames[i].pts - back.frames[i - 1].pts, 1) << first;
+  }
+  clip.pts.back() += 3;
+  EXPECT_EQ(warnings_of(dir / "b.avi", clip),
+            std::vector<std::string>{"1 frames are moved in time, because this output has a fixed rate"});
+}
+
+/// x264 tells how fine its clock is in place of a rate that varies, and nothing else in the file does.
+TEST(Times, OfTransportStreamsDoNotTellTicksForFrames) {
+  const TempDir dir;
+  ClipSpec clip = variable_rate();
+  clip.info.frame_rate = {9, 1};
+  write_clip(dir / "a.ts", clip, with_codec("h264"));
+  const WholeClip back = read_clip(dir / "a.ts");
+  EXPECT_EQ(back.info.frame_rate, (Rational{9, 1}));
+  ASSERT_EQ(back.frames.size(), 9u);
+  for (std::size_t i = 1; i < 9; ++i)
+    EXPECT_EQ(back.frames[i].pts - back.frames[0].pts, clip.pts[i] - clip.pts[0]);
+  // As other programs may write it.
+  WriteOptions options = with_codec("h264");
+  options.encoder_options["x264-params"] = "force-cfr=0";
+  write_clip(dir / "b.ts", clip, options);
+  EXPECT_LT(read_clip(dir / "b.ts").info.frame_rate.value(), 1000);
+}
+
 TEST(Times, OfRawStreamsComeFromTheRate) {
   const TempDir dir;
   write_clip(dir / "a.h264", moving_pattern(64, 48, 3, 12));
