@@ -5,6 +5,7 @@ extern "C" {
 #include <algorithm>
 #include <cstring>
 #include <map>
+#include <string_view>
 
 #include "colour_rules.h"
 #include "copied_streams.h"
@@ -47,6 +48,17 @@ bool keeps_display_matrix(const AVOutputFormat& container) {
   return is_quicktime(container);
 }
 
+/// As libav's muxers take it: GIF hundredths of a second, APNG a fraction of seconds, both in 16 bits.
+std::string final_delay(const AVOutputFormat& container, std::int64_t duration, AVRational unit) {
+  constexpr int kMost = 65535;
+  if (std::string_view(container.name) == "gif")
+    return std::to_string(std::min<std::int64_t>(kMost, av_rescale_q(duration, unit, AVRational{1, 100})));
+  AVRational seconds{kMost, 1};
+  if (double(duration) * av_q2d(unit) < kMost)
+    av_reduce(&seconds.num, &seconds.den, duration * unit.num, unit.den, kMost);
+  return std::to_string(seconds.num) + "/" + std::to_string(seconds.den);
+}
+
 /// A container file with one encoded video stream and copied others.
 class FileSink : public Sink {
  public:
@@ -85,6 +97,7 @@ class FileSink : public Sink {
   void finish() override {
     encoder_.finish(receiver());
     write_last_packet();
+    tell_last_duration();
     check(av_write_trailer(muxer_.get()));
     io_.commit();
   }
@@ -108,6 +121,7 @@ class FileSink : public Sink {
       av_packet_rescale_ts(&packet, encoder_.time_base(), video().time_base);
       if (!is_quicktime(container_)) return check(av_interleaved_write_frame(muxer_.get(), &packet));
       if (last_packet_) {
+        written_dts_ = last_packet_->dts;
         check(av_interleaved_write_frame(muxer_.get(), last_packet_.get()));
       } else {
         first_dts_ = packet.dts;
@@ -119,13 +133,25 @@ class FileSink : public Sink {
     };
   }
 
-  /// The length of a track of QuickTime is the sum of the times from each packet to the next in the order of
-  /// decoding: with B-frames, what is beside the last of them is not how long it is shown.
+  /// libav takes what is beside the last packet for how long that is shown, and players of QuickTime add up
+  /// the times from each packet to the next in the order of decoding. Both come to the end of the last frame
+  /// if this packet, which may be of another one, is decoded as long before it is shown as the first is;
+  /// where the packet before it is in the way, only libav's does, by which the movie ends.
   void write_last_packet() {
     if (!last_packet_) return;
-    const std::int64_t rest = end_ - first_pts_ - (last_packet_->dts - first_dts_);
-    if (rest > 0) last_packet_->duration = rest;
+    const std::int64_t best = last_packet_->pts - (first_pts_ - first_dts_);
+    if (written_dts_ != AV_NOPTS_VALUE) last_packet_->dts = std::max(best, written_dts_ + 1);
+    last_packet_->duration = end_ - last_packet_->pts;
     check(av_interleaved_write_frame(muxer_.get(), last_packet_.get()));
+  }
+
+  /// The muxers of GIF and APNG go by when the next frame comes.
+  void tell_last_duration() {
+    constexpr const char* kOption = "final_delay";
+    const std::int64_t duration = encoder_.last_duration();
+    if (duration <= 0 || !has_option(container_, kOption) || container_options_.contains(kOption)) return;
+    const std::string delay = final_delay(container_, duration, encoder_.time_base());
+    av_opt_set(muxer_->priv_data, kOption, delay.c_str(), 0);
   }
 
   /// @throws what the file threw, or an error of libav's
@@ -200,6 +226,10 @@ class FileSink : public Sink {
       options.set("movie_timescale", ticks);
       if (!io_.seekable()) options.set("movflags", "frag_keyframe+delay_moov+default_base_moof");
     }
+    // Moving pictures go on for ever, as GIFs do by themselves.
+    for (const char* times : {"loop", "plays"}) {
+      if (has_option(container_, times)) options.set(times, "0");
+    }
     for (const auto& [key, value] : container_options_) {
       const bool adds = key == "movflags" && value.starts_with('+');
       options.set(key, adds ? options.value(key) + value : value);
@@ -229,7 +259,7 @@ class FileSink : public Sink {
   std::unique_ptr<AVFormatContext, Deleter> muxer_;
   CopiedStreams copied_;
   PacketPtr last_packet_;  // of QuickTime, in the order of decoding; with times of the muxer, like these:
-  std::int64_t first_dts_ = 0, first_pts_ = 0, end_ = 0;
+  std::int64_t first_dts_ = 0, first_pts_ = 0, end_ = 0, written_dts_ = AV_NOPTS_VALUE;
 };
 
 }  // namespace

@@ -12,6 +12,7 @@
 #include "gif_alpha.h"
 #include "image_to_frame.h"
 #include "knotreel/base/error.h"
+#include "webp_end.h"
 
 namespace knotreel::video {
 namespace {
@@ -145,6 +146,7 @@ void VideoEncoder::open(const WriteOptions& options, const AVOutputFormat& conta
     dictionary.set("x264-params", "force-cfr=1");
   set_quality(*encoder_, dictionary, options);
   clears_ = name == "gif" && info_.channels % 2 == 0;
+  is_webp_ = name == "libwebp_anim";
   if (clears_) dictionary.set("gifflags", "0");  // whole pictures
   if (name == "hap" && info_.channels % 2 == 0) dictionary.set("format", "hap_alpha");
   const LogListener listener;
@@ -219,6 +221,14 @@ bool VideoEncoder::is_moved(std::int64_t pts, std::int64_t time) const {
   return av_compare_ts(at, to, wanted - slack, from) < 0 || av_compare_ts(at, to, wanted + slack, from) > 0;
 }
 
+/// Of all frames together; rounded as libav rounds the times of a WebP.
+std::int64_t VideoEncoder::milliseconds() const {
+  const auto at = [&](std::int64_t time) {
+    return av_rescale_q_rnd(time, time_base(), AVRational{1, 1000}, AV_ROUND_ZERO);
+  };
+  return at(last_end_) - at(first_pts_);
+}
+
 void VideoEncoder::cut_gap_before(AVFrame& frame, Warnings& warnings) {
   if (!last_) return;
   const std::int64_t excess = frame.pts - last_pts_ - most_repeats();
@@ -248,6 +258,7 @@ void VideoEncoder::send(AVFrame* frame, const Receiver& receiver) {
     result = avcodec_receive_packet(encoder_.get(), packet.get());
     if (result < 0) break;
     if (clears_) clear_before_next(*packet);
+    if (is_webp_) end_webp_at(*packet, milliseconds());
     if (const auto found = durations_.find(packet->pts); found != durations_.end()) {
       packet->duration = found->second;
       durations_.erase(found);

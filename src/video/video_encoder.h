@@ -28,6 +28,8 @@ class VideoEncoder {
   AVRational time_base() const { return encoder_->time_base; }
   /// Whether WriteOptions::crf has been of use, if it was given.
   bool takes_crf() const { return takes_crf_; }
+  /// How long the last frame lasts, in time_base().
+  std::int64_t last_duration() const { return last_end_ - last_pts_; }
   /// What the encoder has to say of WriteOptions::encoder_options; empty if nothing.
   const std::string& complaint() const { return complaint_; }
 
@@ -37,6 +39,7 @@ class VideoEncoder {
   void open(const WriteOptions& options, const AVOutputFormat& container);
   std::int64_t ticks_of(std::int64_t time) const;
   std::int64_t most_repeats() const;
+  std::int64_t milliseconds() const;
   bool is_moved(std::int64_t pts, std::int64_t time) const;
   void cut_gap_before(AVFrame& frame, Warnings& warnings);
   void repeat_until(std::int64_t pts, const Receiver& receiver);
@@ -52,6 +55,7 @@ class VideoEncoder {
   FramePtr last_;             // as it was sent
   std::int64_t cut_out_ = 0;  // ticks of gaps that are too long
   bool takes_crf_ = true;
+  bool is_webp_ = false;
   bool clears_ = false;  // GIFs with alpha: what was there before would be seen behind
   std::string complaint_;
 };
