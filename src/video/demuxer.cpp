@@ -159,7 +159,9 @@ bool Demuxer::has_read_index() const {
 
 FileEnd Demuxer::end() const {
   if (has_read_index()) return FileEnd::kThere;
-  return input_ == "-" ? FileEnd::kUnknown : end_of_file(input_, format_->iformat->name);
+  const std::string format = format_->iformat->name;
+  if (!pipe_) return end_of_file(input_, format);
+  return end_of_pipe(pipe_->start(), std::uint64_t(avio_tell(pipe_->context())), format);
 }
 
 /// Of other formats, some know only when packets are decoded, and some have clocks that jump.

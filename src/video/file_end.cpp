@@ -14,6 +14,12 @@ namespace {
 
 using std::string_view_literals::operator""sv;
 
+/// A file that is made of more elements is not looked at to its end: what is made up may have any number.
+constexpr int kMostElements = 1'000'000;
+
+/// Bytes in which the segment of a Matroska file begins.
+constexpr std::size_t kMatroskaStart = 256;
+
 FileEnd missing_if(bool lacks_its_end) {
   return lacks_its_end ? FileEnd::kMissing : FileEnd::kThere;
 }
@@ -50,7 +56,8 @@ ElementSize element_size(std::string_view bytes) {
 /// Whether elements follow each other from one place to another. A file of the right size may be filled up
 /// with zeros, which are none.
 bool are_elements(std::ifstream& file, std::uint64_t at, std::uint64_t end) {
-  while (at < end) {
+  for (int count = 0; at < end; ++count) {
+    if (count == kMostElements) return false;
     const std::string start = read_part(file, at, 12);
     const std::size_t id = start.empty() ? 0 : std::size_t(std::countl_zero(std::uint8_t(start[0]))) + 1;
     if (id < 1 || id > 4 || start.size() < id) return false;
@@ -61,22 +68,31 @@ bool are_elements(std::ifstream& file, std::uint64_t at, std::uint64_t end) {
   return at == end;
 }
 
+struct Segment {
+  std::uint64_t begin = 0, size = 0;
+  bool known = false;
+};
+
 /// A Matroska file is an EBML header and a segment; whoever could not go back to the start leaves its size
 /// open.
-FileEnd end_of_matroska(std::ifstream& file, std::uint64_t size) {
+Segment segment_of(std::string_view start) {
   constexpr std::string_view kHeader = "\x1A\x45\xDF\xA3", kSegment = "\x18\x53\x80\x67";
-  const std::string start = read_part(file, 0, 12);
-  if (!start.starts_with(kHeader)) return FileEnd::kUnknown;
-  const ElementSize header = element_size(std::string_view(start).substr(4));
-  if (!header.known || header.value > size) return FileEnd::kUnknown;
-  const std::uint64_t at = 4 + header.bytes + header.value;
-  const std::string next = read_part(file, at, 12);
-  if (!next.starts_with(kSegment)) return FileEnd::kUnknown;
-  const ElementSize segment = element_size(std::string_view(next).substr(4));
+  if (!start.starts_with(kHeader)) return {};
+  const ElementSize header = element_size(start.substr(kHeader.size()));
+  if (!header.known || header.value > start.size()) return {};
+  const std::size_t at = kHeader.size() + header.bytes + std::size_t(header.value);
+  const std::string_view rest = start.substr(std::min(at, start.size()));
+  if (!rest.starts_with(kSegment)) return {};
+  const ElementSize size = element_size(rest.substr(kSegment.size()));
+  return {at + kSegment.size() + size.bytes, size.value, size.known};
+}
+
+FileEnd end_of_matroska(std::ifstream& file, std::uint64_t size) {
+  const Segment segment = segment_of(read_part(file, 0, kMatroskaStart));
   if (!segment.known) return FileEnd::kUnknown;
-  const std::uint64_t begin = std::min(size, at + 4 + segment.bytes);
-  if (segment.value > size - begin) return FileEnd::kMissing;
-  return are_elements(file, begin, begin + segment.value) ? FileEnd::kThere : FileEnd::kUnknown;
+  if (segment.size > size - std::min(size, segment.begin)) return FileEnd::kMissing;
+  return are_elements(file, segment.begin, segment.begin + segment.size) ? FileEnd::kThere
+                                                                         : FileEnd::kUnknown;
 }
 
 std::uint32_t little_endian(std::string_view bytes) {
@@ -87,29 +103,30 @@ std::uint32_t little_endian(std::string_view bytes) {
 
 /// Whether chunks follow each other from one place to another, each at an even one.
 bool are_chunks(std::ifstream& file, std::uint64_t at, std::uint64_t end) {
-  while (at + 8 <= end) {
+  for (int count = 0; at + 8 <= end; ++count) {
     const std::string start = read_part(file, at, 8);
-    if (start.size() < 8 || start[0] == '\0') return false;
+    if (count == kMostElements || start.size() < 8 || start[0] == '\0') return false;
     at += 8 + (std::uint64_t(little_endian(std::string_view(start).substr(4))) + 1) / 2 * 2;
   }
   return at <= end + 1;
 }
 
 /// An AVI file is one RIFF chunk, or several of about a gigabyte. Some count the eight bytes before a chunk
-/// as of it. Whoever could not go back to the start tells a size of zero.
+/// as of it. Whoever could not go back to the start tells a size of zero, or the largest.
 FileEnd end_of_avi(std::ifstream& file, std::uint64_t size) {
   constexpr std::uint64_t kHeader = 12;
-  for (std::uint64_t at = 0; at + kHeader <= size;) {
+  std::uint64_t at = 0;
+  for (int count = 0; at + kHeader <= size; ++count) {
     const std::string start = read_part(file, at, kHeader);
     if (!start.starts_with("RIFF")) break;
     const std::uint64_t bytes = little_endian(std::string_view(start).substr(4));
-    if (bytes == 0) return FileEnd::kUnknown;
+    if (bytes == 0 || bytes == 0xFFFFFFFF || count == kMostElements) return FileEnd::kUnknown;
     if (at + bytes > size) return FileEnd::kMissing;
     const std::uint64_t end = std::min(size, at + 8 + bytes);
     if (!are_chunks(file, at + kHeader, end)) return FileEnd::kUnknown;
     at = end + end % 2;
   }
-  return FileEnd::kThere;
+  return at > 0 ? FileEnd::kThere : FileEnd::kUnknown;
 }
 
 /// libav's NUT files end with an index, whose last twelve bytes tell how far back it begins, and a checksum.
@@ -191,6 +208,12 @@ FileEnd end_of_file(const std::string& path, const std::string& format) {
   if (format == "mjpeg") return missing_if(lacks_marker(file, size, "\xFF\xD9"));
   if (format == "mpegts" && transport_stream_lacks_its_end(file, size)) return FileEnd::kMissing;
   return FileEnd::kUnknown;
+}
+
+FileEnd end_of_pipe(std::string_view start, std::uint64_t size, const std::string& format) {
+  const Segment segment = format == "matroska,webm" ? segment_of(start) : Segment{};
+  const bool is_there = segment.known && size >= segment.begin && size - segment.begin >= segment.size;
+  return is_there ? FileEnd::kThere : FileEnd::kUnknown;
 }
 
 }  // namespace knotreel::video

@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <string>
+#include <string_view>
 
 namespace knotreel::video {
 
@@ -15,5 +16,9 @@ enum class FileEnd : std::uint8_t { kUnknown, kMissing, kThere };
 /// @param format  name of the demuxer
 /// @return kUnknown if the format tells of no end, or the input is no regular file.
 FileEnd end_of_file(const std::string& path, const std::string& format);
+
+/// The same of a pipe that has been read to its end; knows Matroska. @param start  its first 256 bytes.
+/// @param size  of what has been read.
+FileEnd end_of_pipe(std::string_view start, std::uint64_t size, const std::string& format);
 
 }  // namespace knotreel::video

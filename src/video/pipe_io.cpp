@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
-#include <string_view>
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
@@ -14,12 +13,13 @@ namespace {
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
 constexpr int kBufferBytes = 32 * 1024;
 
-/// Looks at the start, which stays there to be read.
-bool is_gif(AVIOContext& pipe) {
-  std::array<char, 4> start{};
+/// The first bytes, which stay there to be read.
+std::string start_of(AVIOContext& pipe) {
+  std::string start(PipeIo::kStart, '\0');
   const int got = avio_read(&pipe, reinterpret_cast<unsigned char*>(start.data()), int(start.size()));
   if (got > 0) avio_seek(&pipe, 0, SEEK_SET);
-  return std::string_view(start.data(), start.size()) == "GIF8";
+  start.resize(std::size_t(std::max(got, 0)));
+  return start;
 }
 
 }  // namespace
@@ -28,7 +28,8 @@ PipeIo::PipeIo(const std::string& url, const std::string& cannot_read) {
   const int result = avio_open2(&pipe_, url.c_str(), AVIO_FLAG_READ, nullptr, nullptr);
   if (result < 0) throw Error(ErrorKind::kInput, cannot_read + error_text(result));
   try {
-    if (is_gif(*pipe_)) read_all(cannot_read);
+    start_ = start_of(*pipe_);
+    if (start_.starts_with("GIF8")) read_all(cannot_read);
   } catch (...) {
     avio_close(pipe_);
     throw;

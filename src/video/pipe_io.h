@@ -23,6 +23,10 @@ class PipeIo {
   /// All that is in memory.
   std::string text() const { return {bytes_.begin(), bytes_.end()}; }
 
+  /// The first bytes, up to kStart of them.
+  const std::string& start() const { return start_; }
+  static constexpr std::size_t kStart = 256;
+
   AVIOContext* context() const { return memory_ != nullptr ? memory_ : pipe_; }
 
  private:
@@ -32,6 +36,7 @@ class PipeIo {
 
   AVIOContext* pipe_ = nullptr;
   AVIOContext* memory_ = nullptr;  ///< of a GIF
+  std::string start_;
   std::vector<std::uint8_t> bytes_;
   std::int64_t position_ = 0;
 };

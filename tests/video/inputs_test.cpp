@@ -289,6 +289,20 @@ TEST(Inputs, StandardInput) {
   EXPECT_EQ(frames, 20u);
 }
 
+/// No file is there to be asked how long it should be.
+TEST(Inputs, LongLastFramesOutOfPipesAreNoMissingOnes) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(64, 48, 3, 6);
+  clip.durations.back() = 125;
+  write_clip(dir / "a.mkv", clip, with_codec("ffv1"));
+  const std::string bytes = read_text(dir / "a.mkv");
+  const Pipe whole(bytes), cut(bytes.substr(0, bytes.size() * 3 / 4));
+  const WholeClip back = read_clip(whole.name());
+  EXPECT_TRUE(back.warnings.empty());
+  EXPECT_EQ(back.frames.back().duration, 5000);
+  EXPECT_FALSE(read_clip(cut.name()).warnings.empty());
+}
+
 TEST(Inputs, NamesWithColonsAndBlanksAreFiles) {
   const TempDir dir;
   const std::string path = dir / "http: a 10%.mkv";
