@@ -79,6 +79,20 @@ TEST(End, OfAFileThatIsFilledUpWithZerosIsMissing) {
   }
 }
 
+/// As of a file that another program has cut, and whose tags it has kept.
+TEST(End, InTheTagsOfMatroskaIsNoneBehindThatOfTheFile) {
+  const TempDir dir;
+  write_clip(dir / "a.mkv", moving_pattern(64, 48, 3, 30));
+  std::string bytes = read_text(dir / "a.mkv");
+  const std::size_t at = bytes.find("00:00:01.200");
+  ASSERT_NE(at, std::string::npos);
+  bytes[at + 7] = '9';
+  write_text(dir / "a.mkv", bytes);
+  const WholeClip back = read_clip(dir / "a.mkv", strictly());
+  EXPECT_TRUE(back.warnings.empty());
+  EXPECT_NEAR(last_seconds(back), 0.04, 1e-9);
+}
+
 /// libav finds what is missing only where it is a part of a packet.
 TEST(End, OfNutIsItsIndex) {
   const TempDir dir;
