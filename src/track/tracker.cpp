@@ -289,6 +289,8 @@ class Tracker::Impl {
     frame_before_ = handed_over(frame_);
     if (drawn_) frame_.drawn = drawn_->limits();
     take_over(*carried, *links);
+    // Features alone are too many: a cold frame leaves some out, or has another bound.
+    if (drawn_ && frame_.space->function_count() > most_functions_) return false;
     if (drawn_) {
       draw_curves();
     } else {

@@ -346,9 +346,22 @@ TEST_F(CliVideo, RenderPutsFramesWithAlphaOnABackground) {
   expect_success(
       knotreel({"render", document_, "-o", path("second.png"), "--frame", "1", "--background", "#40ff20"}));
   EXPECT_TRUE(read_text(path("f_2.png")) == read_text(path("second.png")));
-  expect_success(
-      knotreel({"render", document_, "-o", path("o.mp4"), "--background", "black", "--size", "48x32"}));
-  EXPECT_EQ(video::VideoReader::open(path("o.mp4")).info().channels, 3);
+  expect_success(knotreel({"render", document_, "-o", path("o.mkv"), "--background", "black", "--size",
+                           "48x32", "--codec", "ffv1"}));
+  EXPECT_EQ(video::VideoReader::open(path("o.mkv")).info().channels, 3);
+}
+
+TEST_F(CliVideo, ABackgroundLeavesTheColoursOfPicturesAtFullSize) {
+  std::filesystem::create_directory(path("in"));
+  image::write_image(path("in/p.png"), test::moving_picture(48, 32, 4, 0));
+  const auto format_of = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"transcode", path("in"), "-o", path(name), "--preset", "fast"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    EXPECT_EQ(knotreel(arguments).exit_code, 0);
+    return video::VideoReader::open(path(name)).info().pixel_format;
+  };
+  EXPECT_EQ(format_of("a.mp4", {"--background", "black"}), "yuv444p");
+  EXPECT_TRUE(format_of("b.mov", {"--codec", "prores", "--background", "black"}).starts_with("yuv444p1"));
 }
 
 TEST_F(CliVideo, TranscodePutsFramesWithAlphaOnABackground) {
