@@ -110,7 +110,7 @@ TEST(CliBatch, TheBytesOfVectorizeForAnyNumberOfJobs) {
 TEST(CliBatch, AListFromAFileOrStandardInput) {
   const Lot lot({"b.png", "a.png", "c.png"});
   const std::string list = lot.in_file("b.png") + "\n\n" + lot.in_file("a.png") + "\r\n" +
-                           lot.in_file("b.png") + "\n" + lot.in_file("a.png");
+                           lot.in_file("b.png") + "\n" + lot.in_file("./a.png");
   write_text(lot.dir / "list.txt", list);
   const std::vector<std::string> options{"-o", lot.out, "--preset", "fast", "--jobs", "1"};
   for (const std::string& from : {(lot.dir / "list.txt").string(), std::string("-")}) {

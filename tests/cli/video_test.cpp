@@ -683,6 +683,25 @@ TEST_F(CliVideo, CompareTellsOfEveryFrameAndOfFlicker) {
   EXPECT_GT(stats["rows"][1]["flicker"], 0);
 }
 
+TEST_F(CliVideo, CompareTakesGreyWithAlphaBesideColours) {
+  std::filesystem::create_directory(path("grey"));
+  std::filesystem::create_directory(path("colour"));
+  for (int i = 0; i < 2; ++i) {
+    const std::string name = "p" + std::to_string(i) + ".png";
+    image::write_image(path("grey/" + name), test::moving_picture(48, 32, 2, i));
+    image::write_image(path("colour/" + name), test::moving_picture(48, 32, 3, i));
+  }
+  expect_success(knotreel({"compare", path("grey"), path("colour")}));
+  expect_success(knotreel({"compare", path("colour"), path("grey")}));
+}
+
+TEST_F(CliVideo, AVideoNeedsNoExtension) {
+  const std::string plain = path("clip");
+  std::filesystem::copy_file(clip_, plain);
+  expect_success(knotreel({"vectorize", plain, "-o", document_, "--preset", "fast"}));
+  expect_success(knotreel({"info", plain}));
+}
+
 TEST_F(CliVideo, CompareTellsWhichOfTheTwoIsDamaged) {
   const std::string cut = path("cut.mkv");
   std::filesystem::copy_file(clip_, cut);

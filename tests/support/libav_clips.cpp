@@ -162,6 +162,9 @@ int add_texts(AVFormatContext& output) {
   stream->codecpar->codec_id = AV_CODEC_ID_SUBRIP;
   stream->time_base = {1, 1000};
   av_dict_set(&stream->metadata, "language", "ger", 0);
+  // As mkvmerge tells them.
+  av_dict_set(&stream->metadata, "BPS-ger", "12345", 0);
+  av_dict_set(&stream->metadata, "_STATISTICS_TAGS-ger", "BPS", 0);
   return stream->index;
 }
 

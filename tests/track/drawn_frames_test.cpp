@@ -692,6 +692,46 @@ TEST(DrawnFrames, ThatAreDenseGrowWithTheirFeatures) {
   EXPECT_GT(run.reports[13].psnr, run.reports[3].psnr - 2);
 }
 
+/// A row of squares more in every frame.
+std::vector<image::Image> squares_that_come(int first, int frames) {
+  std::vector<image::Image> pictures(std::size_t(frames), many_squares());
+  for (int i = 0; i < frames; ++i) {
+    image::Image& picture = pictures[std::size_t(i)];
+    for (int y = 16 * (first + i); y < picture.height; ++y) std::ranges::fill(picture.row(y), 240.0F);
+  }
+  return pictures;
+}
+
+TEST(DrawnFrames, KeepTheBoundWhereFeaturesAloneAreTooMany) {
+  constexpr std::size_t kMost = 1800;
+  TrackOptions options = drawn_options(kMost);
+  options.drift = 100;
+  const Tracked run = track(squares_that_come(2, 5), options, kMost);
+  EXPECT_FALSE(run.models.front().space->mesh().segments.empty());
+  for (const FrameReport& report : run.reports) EXPECT_LE(report.control_points, kMost);
+}
+
+TEST(DrawnFrames, DoNotKnowTheGroupBefore) {
+  const std::vector<image::Image> pictures = drawn_clip(8);
+  TrackOptions options = drawn_options(600);
+  const vectorize::Options film = vectorize::video_options(picture_options(600));
+  Tracker used(film, options), fresh(film, options);
+  for (std::size_t i = 0; i < 3; ++i) {
+    std::optional<Motion> motion;
+    if (i > 0) motion = motion_between(pictures[i - 1], pictures[i]);
+    used.next(pictures[i], motion ? &*motion : nullptr);
+  }
+  for (std::size_t i = 4; i < pictures.size(); ++i) {
+    std::optional<Motion> motion;
+    if (i > 4) motion = motion_between(pictures[i - 1], pictures[i]);
+    const document::FrameModel a = used.next(pictures[i], motion ? &*motion : nullptr);
+    const document::FrameModel b = fresh.next(pictures[i], motion ? &*motion : nullptr);
+    EXPECT_NE(fresh.drawing(), Drawing::kNone);
+    EXPECT_EQ(a.colour, b.colour) << i;
+    EXPECT_EQ(a.displacement, b.displacement) << i;
+  }
+}
+
 /// A disk moves on the left. On the right there are shades, which knots would follow, and nothing moves.
 image::Image half_at_rest(int frame) {
   image::Image image = image::make_image(240, 90, 3);

@@ -113,6 +113,9 @@ TEST(Copies, TextsAndFontsGoAlong) {
   EXPECT_EQ(streams_of(dir / "b.mkv"), "video h264, audio aac, subtitle subrip, attachment ttf");
   EXPECT_EQ(text_packets(dir / "b.mkv"), 3u);
   EXPECT_EQ(text_packets(dir / "a.mkv"), 3u);
+  EXPECT_NE(test::read_text(dir / "a.mkv").find("12345"), std::string::npos);
+  for (const char* stale : {"12345", "_STATISTICS"})
+    EXPECT_EQ(test::read_text(dir / "b.mkv").find(stale), std::string::npos) << stale;
 }
 
 TEST(Copies, WhatTransportStreamsHaveNoTypeForIsLeftOut) {

@@ -50,6 +50,25 @@ TEST(EncoderOptions, AreOverWhatIsChosen) {
   EXPECT_EQ(size_of(both), size_of(with_options("h264", {{"crf", "45"}})));
 }
 
+TEST(EncoderOptions, ColoursAreMadeWithTheMatrixThatIsAskedFor) {
+  const TempDir dir;
+  ClipSpec clip = moving_pattern(64, 48, 3, 1);
+  constexpr float kRed[] = {220, 40, 40};
+  for (std::size_t i = 0; i < clip.images[0].samples.size(); ++i) clip.images[0].samples[i] = kRed[i % 3];
+  WriteOptions options = with_codec("ffv1", "yuv444p");
+  options.encoder_options = {{"colorspace", "bt709"}};
+  write_clip(dir / "a.mkv", clip, options);
+  const WholeClip back = read_clip(dir / "a.mkv");
+  EXPECT_EQ(back.info.colour.matrix, 1);
+  EXPECT_LT(test::largest_difference(back.frames[0].image, clip.images[0]), 2);
+}
+
+TEST(EncoderOptions, Vp8HasAlphaWithoutAny) {
+  const TempDir dir;
+  write_clip(dir / "a.webm", moving_pattern(64, 48, 4, 2), with_codec("vp8"));
+  EXPECT_EQ(read_clip(dir / "a.webm").info.channels, 4);
+}
+
 TEST(EncoderOptions, WhatCannotBeIsRefused) {
   const TempDir dir;
   const StreamInfo info = moving_pattern(64, 48, 3, 1).info;

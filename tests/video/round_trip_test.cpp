@@ -152,6 +152,20 @@ TEST(RoundTrip, TagsAspectAndRotationSurvive) {
   }
 }
 
+TEST(RoundTrip, AspectOfOtherSizesShowsTheSamePicture) {
+  StreamInfo info;
+  info.width = 64;
+  info.height = 48;
+  EXPECT_FALSE(sample_aspect_at(info, 128, 48).known());
+  info.sample_aspect = {2, 1};
+  EXPECT_EQ(sample_aspect_at(info, 128, 48), (Rational{1, 1}));
+  EXPECT_EQ(sample_aspect_at(info, 64, 96), (Rational{4, 1}));
+  EXPECT_EQ(sample_aspect_at(info, 128, 96), (Rational{2, 1}));
+  EXPECT_EQ(sample_aspect_at(info, 129, 97), (Rational{2, 1})) << "but for rounding";
+  info.sample_aspect = {1, 1};
+  EXPECT_EQ(sample_aspect_at(info, 100, 100), (Rational{1, 1})) << "square pixels stay square";
+}
+
 TEST(RoundTrip, RotationThatIsLostIsTold) {
   const TempDir dir;
   ClipSpec clip = moving_pattern(16, 16, 3, 1);

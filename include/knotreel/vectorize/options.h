@@ -42,7 +42,7 @@ struct Options {
   int rounds = 3;                      ///< of fitting, each but the first after inserting knots; 1 or more
   std::size_t max_control_points = 0;  ///< upper bound; 0: default_control_points()
   /// Whether the bound by default grows to default_control_points_with_features() where it has no room for
-  /// the features.
+  /// the features, or where a drawing cannot be read with it (docs/decisions/0052).
   bool room_for_features = true;
   /// Share of these that the first round may use, above 0, up to 1, if there are others: what is left, and
   /// what is idle, goes where that fit was worst.
