@@ -653,6 +653,18 @@ TEST(Vectorize, DrawingsHaveFinerPolylinesIfTheyFit) {
   EXPECT_GE(video_options(options).drawn_distance, video_options(options).parametrize.polyline_distance);
 }
 
+TEST(Vectorize, EdgesOfDrawingsMayBeOfAnySoftnessIfThatIsSaid) {
+  const image::Image soft = draw(120, 90, 1, [](double x, double y) {
+    return Colour{255 * std::clamp((std::hypot(x - 60, y - 45) - 24) / 12, 0.0, 1.0)};
+  });
+  ASSERT_TRUE(features::is_drawing(soft));
+  Options options = preset_options(Preset::kFine);
+  options.fine_grid = FineGrid::kNone;
+  EXPECT_EQ(vectorize_picture(soft, options).report.chains, 0U);
+  options.detect.max_blur = 0;
+  EXPECT_GT(vectorize_picture(soft, options).report.chains, 0U);
+}
+
 TEST(Vectorize, CornersStaySharpWhenEnlarged) {
   // A square that is turned, with a triangle before it, at one scale and another.
   const auto drawn = [](double scale) {
