@@ -32,7 +32,8 @@ class FaceErrors {
 /// approximation has become worse.
 class Foresight {
  public:
-  /// @param mesh of the new picture. @param before of the mesh that it comes from, on its own picture.
+  /// @param mesh of the new picture. @param before of the mesh of the last frame, on its own picture. Faces
+  /// that the rework in between has made count as new.
   Foresight(const mesh::EditableMesh& mesh, const knots::Target& target, const FaceErrors& before);
 
   /// How much worse all faces together have become, dB.

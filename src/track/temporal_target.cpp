@@ -7,12 +7,13 @@
 #include <vector>
 
 #include "knotreel/base/parallel.h"
+#include "knotreel/spline/pixel_tiles.h"
 
 namespace knotreel::track {
 
 namespace {
 
-constexpr std::size_t kTile = 8;  // pixels
+constexpr std::size_t kTile = spline::PixelTiles::kSide;  // pixels
 constexpr float kStill = 0.3F;  // pixels; shorter motion is none, so that the residual need not be resampled
 /// Times the mean absolute residual, from which on a miss is an edge out of place.
 constexpr double kOutlier = 6;

@@ -50,27 +50,32 @@ void measure_colours(const Samples& samples, const Draft& draft, RoundReport& re
   const auto width = static_cast<std::size_t>(samples.picture().width);
   struct Row {
     double length = 0;
+    double squared = 0;
     std::size_t count = 0;
   };
   std::vector<Row> rows(residual.size() / channels / width);
   parallel_for(rows.size(), [&](std::size_t y) {
     for (std::size_t i = y * width; i < (y + 1) * width; ++i) {
       if (!weights.empty() && weights[i] < 1) continue;
-      rows[y].length += std::sqrt(fit::squared_error<double>(*pixels.image, &residual[i * channels],
-                                                             &pixels.image->samples[i * channels]));
+      const double squared = fit::squared_error<double>(*pixels.image, &residual[i * channels],
+                                                        &pixels.image->samples[i * channels]);
+      rows[y].length += std::sqrt(squared);
+      rows[y].squared += squared;
       ++rows[y].count;
     }
   });
   double length = 0;
+  double squared = 0;
   std::size_t count = 0;
   for (const Row& row : rows) {
     length += row.length;
+    squared += row.squared;
     count += row.count;
   }
   if (count == 0) return;
   const auto sum = static_cast<double>(count * channels);
   report.mec = length / static_cast<double>(count);
-  report.psnr = 10 * std::log10(255.0 * 255.0 * sum / draft.surface.fit.squared_error);
+  report.psnr = 10 * std::log10(255.0 * 255.0 * sum / squared);
 }
 
 std::vector<float> squared_errors(const Samples& samples, const Draft& draft) {

@@ -56,7 +56,7 @@ struct Curves {
   features::FeatureChains faired;  ///< and spread (features::space_points)
 };
 
-/// @param grid of a drawing (features::is_drawing()), as also for map_curves().
+/// @param grid of a drawing, or of a picture behind one (features::may_be_drawing()).
 /// @param known of the pictures before, as also for map_curves().
 Curves find_curves(const Grid& grid, const Options& options, features::KnownCorners& known);
 

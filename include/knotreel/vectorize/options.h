@@ -69,8 +69,8 @@ struct Options {
   bool picture_links = true;  ///< link triangulations chosen by the picture
   features::DetectOptions detect{
       .edge_threshold = 8, .anchor_threshold = 16, .min_length = 10, .min_weight = 600, .max_blur = 2};
-  /// For drawings (features::is_drawing()). In place of detect.max_blur, if that is smaller: the
-  /// smooth surface does not replace their edges.
+  /// For drawings (features::is_drawing()). In place of detect.max_blur, if that is a limit (not 0) and
+  /// smaller: the smooth surface does not replace their edges.
   double drawn_blur = 0;
   /// In place of detect.edge_threshold, if that is larger, with the anchor threshold in proportion: there is
   /// no noise, so that faint edges are edges, too. 0: off.
