@@ -81,8 +81,9 @@ void FrameFilter::send(FramePtr frame) {
   const bool is_interlaced = frame->interlaced_frame != 0 && mode_ != Deinterlace::kNone;
   const bool lacks_deinterlacer = is_interlaced && !deinterlaces_ && !given_up_;
   if (graph_ && (!graph_->takes(*frame) || lacks_deinterlacer)) drain();
-  if (const std::string filters = filters_for(*frame); !graph_ && !filters.empty()) {
-    complete(*frame);
+  const std::string filters = filters_for(*frame);
+  if (graph_ || !filters.empty()) complete(*frame);
+  if (!graph_ && !filters.empty()) {
     set_up(*frame, filters);
     deinterlaces_ = filters != filter_;
   }
@@ -90,7 +91,6 @@ void FrameFilter::send(FramePtr frame) {
     ready_.push_back(std::move(frame));
     return;
   }
-  complete(*frame);
   if (is_interlaced && !given_up_) warnings_.count("frames are interlaced, and deinterlaced");
   graph_->send(std::move(frame));
 }

@@ -105,12 +105,18 @@ TEST(End, OfNutIsItsIndex) {
   EXPECT_FALSE(back.warnings.empty());
 }
 
-TEST(End, OfGifsIsThatOfTheirLastFrame) {
-  const TempDir dir;
+/// Frames of 0.1, 0.5 and 1 s. @param start  hundredths of a second.
+ClipSpec slower_and_slower(std::int64_t start) {
   ClipSpec clip = moving_pattern(64, 48, 3, 3);
   clip.info.time_base = {1, 100};
-  clip.pts = {0, 10, 60};
+  clip.pts = {start, start + 10, start + 60};
   clip.durations = {10, 50, 100};
+  return clip;
+}
+
+TEST(End, OfGifsIsThatOfTheirLastFrame) {
+  const TempDir dir;
+  const ClipSpec clip = slower_and_slower(0);
   for (const char* name : {"a.gif", "a.apng"}) {
     write_clip(dir / name, clip);
     EXPECT_NEAR(last_seconds(read_clip(dir / name)), 1, 1e-3) << name;
@@ -144,10 +150,7 @@ std::vector<std::uint32_t> webp_durations(const std::string& bytes) {
 
 TEST(End, OfWebpIsThatOfItsLastFrame) {
   const TempDir dir;
-  ClipSpec clip = moving_pattern(64, 48, 3, 3);
-  clip.info.time_base = {1, 100};
-  clip.pts = {5, 15, 65};
-  clip.durations = {10, 50, 100};
+  const ClipSpec clip = slower_and_slower(5);
   WriteOptions options;
   options.container = "webp";
   write_clip(dir / "a.webp", clip, options);
