@@ -161,6 +161,7 @@ void add_copy_command(CLI::App& program) {
           "Frames per second of documents that do not say how long they last, such\nas those of pictures")
       ->type_name("R")
       ->capture_default_str();
+  add_no_overwrite_option(*command);
   add_quiet_option(*command);
   command->footer(kCopyFooter);
   command->callback([arguments] { run_copy(*arguments); });

@@ -18,6 +18,8 @@ namespace fs = std::filesystem;
 /// Of files, by what makes them the same; the values are their names as given.
 using Names = std::map<std::string, std::string>;
 
+bool keeps_files = false;  // set before commands run, and not changed any more
+
 std::string quoted(const std::string& path, const char* dash) {
   return path == "-" ? dash : "'" + path + "'";
 }
@@ -120,6 +122,16 @@ void check_pattern(const Output& pattern, const std::vector<Output>& outputs) {
   }
 }
 
+/// What standard output leads to is for the shell to say; devices and pipes are there to be written to.
+void check_new(const Output& output) {
+  if (output.path.empty() || output.path == "-") return;
+  for (const std::string& file : output.pattern ? files_of(output.path) : std::vector{output.path}) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(file, ignored)) continue;
+    throw Error(ErrorKind::kOutput, quoted(file, "") + " is there already, and --no-overwrite was given");
+  }
+}
+
 }  // namespace
 
 Output video_output(const std::string& path, const std::string& container) {
@@ -132,6 +144,12 @@ Output split_output(const std::string& folder) {
   return {(fs::path(folder) / "frame_%06d.tcb").string(), true};
 }
 
+void add_no_overwrite_option(CLI::App& command) {
+  command.add_flag_callback(
+      "-n,--no-overwrite", [] { keeps_files = true; },
+      "Replace no file: end with code 4 if an output is there already");
+}
+
 void check_paths(const std::vector<std::string>& inputs, const std::vector<Output>& outputs) {
   const auto is_dash = [](const Output& output) { return output.path == "-"; };
   if (std::count_if(outputs.begin(), outputs.end(), is_dash) > 1) {
@@ -142,6 +160,7 @@ void check_paths(const std::vector<std::string>& inputs, const std::vector<Outpu
     written.add(output);
     if (output.pattern) check_pattern(output, outputs);
   }
+  if (keeps_files) std::for_each(outputs.begin(), outputs.end(), check_new);
 }
 
 bool uses_standard_output(const std::vector<Output>& outputs) {

@@ -199,6 +199,7 @@ void add_export_command(CLI::App& program) {
       ->check(CLI::IsMember({"pdf", "svg"}).description(""))
       ->type_name("NAME");
   add_threads_option(*command, arguments->threads);
+  add_no_overwrite_option(*command);
   add_quiet_option(*command);
   command->option_defaults()->group(kVideoGroup);
   add_part_options(*command, arguments->part, "Only these frames, counted from 0; A- is up to the end");

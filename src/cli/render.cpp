@@ -186,6 +186,7 @@ void add_render_command(CLI::App& program) {
       ->type_name("NAME");
   command->add_flag("--no-antialias", arguments->aliased, "Leave the edges of features jagged");
   add_threads_option(*command, arguments->threads);
+  add_no_overwrite_option(*command);
   add_quiet_option(*command);
   add_render_video_options(*command, arguments->video);
   command->footer(kRenderFooter);

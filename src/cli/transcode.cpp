@@ -95,6 +95,7 @@ void add_transcode_command(CLI::App& program) {
       ->required();
   add_outputs(*command, *arguments);
   add_threads_option(*command, arguments->run.threads);
+  add_no_overwrite_option(*command);
   add_quiet_option(*command);
   command->option_defaults()->group("Reading");
   add_video_input_options(*command, arguments->run.reading);

@@ -221,6 +221,7 @@ void add_vectorize_command(CLI::App& program) {
                    "of a video, into a folder for each frame")
       ->type_name("DIR");
   add_threads_option(*command, arguments->threads);
+  add_no_overwrite_option(*command);
   add_quiet_option(*command);
   add_vectorize_video_options(*command, arguments->video);
   command->footer(kVectorizeFooter);

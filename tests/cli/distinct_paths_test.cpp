@@ -119,6 +119,35 @@ TEST_F(CliDistinctPaths, PicturesAreToldByTheirPatterns) {
                            "--stats", path("n_7")}));
 }
 
+TEST_F(CliDistinctPaths, OutputsThatAreThereStayIfThatIsWanted) {
+  const std::string there = path("there.tcb");
+  const std::string frames = path("folder/f_%04d.png");
+  write_text(there, "mine");
+  write_text(path("folder/f_0007.png"), "mine");
+  entries_ = dir_.entries();
+  for (const Command& command :
+       std::vector<Command>{{"vectorize", picture_, "-o", there, "-n"},
+                            {"vectorize", picture_, "-o", path("o.tcb"), "--stats", there, "--no-overwrite"},
+                            {"vectorize", clip_, "-o", there, "-n"},
+                            {"transcode", clip_, "-o", path("o.mkv"), "--document", there, "-n"},
+                            {"transcode", clip_, "-o", frames, "-n"},
+                            {"render", document_, "-o", there, "--format", "png", "-n"},
+                            {"render", document_, "-o", frames, "-n"},
+                            {"export", document_, "-o", there, "--format", "pdf", "-n"},
+                            {"copy", document_, "-o", there, "-n"}}) {
+    SCOPED_TRACE(testing::PrintToString(command));
+    const auto result = knotreel(command);
+    expect_failure(result, 4);
+    EXPECT_NE(result.err.find("is there already"), std::string::npos) << result.err;
+    EXPECT_EQ(dir_.entries(), entries_);
+    EXPECT_EQ(read_text(there), "mine");
+    EXPECT_EQ(read_text(path("folder/f_0007.png")), "mine");
+  }
+  expect_success(knotreel({"render", document_, "-o", path("new.png"), "-n"}));
+  expect_success(knotreel({"render", document_, "-o", "/dev/null", "--format", "png", "-n"}));
+  expect_success(knotreel({"copy", document_, "-o", there}));
+}
+
 TEST_F(CliDistinctPaths, StandardOutputIsForOne) {
   for (const Command& command :
        std::vector<Command>{{"transcode", clip_, "-f", "hash", "--document", "-"},
