@@ -38,6 +38,7 @@ Decoded decode_with_opencv(std::span<const std::byte> file, ImageFormat format);
 // Row writers; they own the open file. The spec has been checked against the format.
 std::unique_ptr<RowWriter> make_png_writer(std::unique_ptr<OutputFile> file, const ImageFileSpec& spec);
 std::unique_ptr<RowWriter> make_pnm_writer(std::unique_ptr<OutputFile> file, const ImageFileSpec& spec);
+std::unique_ptr<RowWriter> make_tiff_writer(std::unique_ptr<OutputFile> file, const ImageFileSpec& spec);
 std::unique_ptr<RowWriter> make_opencv_writer(std::unique_ptr<OutputFile> file, const ImageFileSpec& spec);
 
 /// Common part of the row writers: checks the shape of what is handed in and counts rows.

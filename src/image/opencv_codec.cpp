@@ -15,40 +15,17 @@ int swapped(int c, int channels) {
   return channels >= 3 && c < 3 ? 2 - c : c;
 }
 
-template <typename Stored>
-void copy_samples(const cv::Mat& mat, Image& image, double divisor) {
-  const int channels = image.channels;
-  for (int y = 0; y < image.height; ++y) {
-    const Stored* from = mat.ptr<Stored>(y);
-    float* to = image.row(y).data();
-    for (int x = 0; x < image.width; ++x, from += channels, to += channels) {
-      for (int c = 0; c < channels; ++c)
-        to[c] = static_cast<float>(double(from[swapped(c, channels)]) / divisor);
-    }
-  }
-}
-
 Decoded from_mat(const cv::Mat& mat) {
-  if (mat.channels() > 4) throw DecodeError("it has more than 4 channels");
-  Decoded decoded{make_image(mat.cols, mat.rows, mat.channels()), SampleType::u8};
-  switch (mat.depth()) {
-    case CV_8U:
-      copy_samples<std::uint8_t>(mat, decoded.image, 1);
-      break;
-    case CV_16U:
-      decoded.samples = SampleType::u16;
-      copy_samples<std::uint16_t>(mat, decoded.image, 257);
-      break;
-    case CV_32F:
-      decoded.samples = SampleType::f32;
-      copy_samples<float>(mat, decoded.image, 1.0 / 255);
-      break;
-    case CV_64F:
-      decoded.samples = SampleType::f32;
-      copy_samples<double>(mat, decoded.image, 1.0 / 255);
-      break;
-    default:
-      throw DecodeError("its kind of samples is not supported");
+  const int channels = mat.channels();
+  if (channels > 4) throw DecodeError("it has more than 4 channels");
+  if (mat.depth() != CV_8U) throw DecodeError("its kind of samples is not supported");
+  Decoded decoded{make_image(mat.cols, mat.rows, channels), SampleType::u8};
+  for (int y = 0; y < mat.rows; ++y) {
+    const auto* from = mat.ptr<std::uint8_t>(y);
+    float* to = decoded.image.row(y).data();
+    for (int x = 0; x < mat.cols; ++x, from += channels, to += channels) {
+      for (int c = 0; c < channels; ++c) to[c] = static_cast<float>(from[swapped(c, channels)]);
+    }
   }
   return decoded;
 }
@@ -65,36 +42,20 @@ Image without_empty_alpha(const Image& image) {
   return opaque;
 }
 
-/// Collects the rows of a format that OpenCV only writes as a whole.
+/// Collects the rows, of 8 bits, of a format that OpenCV only writes as a whole.
 class OpenCvWriter final : public CheckedRowWriter {
  public:
   OpenCvWriter(std::unique_ptr<OutputFile> file, const ImageFileSpec& spec)
-      : CheckedRowWriter(std::move(file), spec), mat_(spec.height, spec.width, type(spec)) {}
+      : CheckedRowWriter(std::move(file), spec),
+        mat_(spec.height, spec.width, CV_MAKETYPE(CV_8U, spec.channels)) {}
 
  private:
-  static int type(const ImageFileSpec& spec) {
-    const int depth = spec.samples == SampleType::u8    ? CV_8U
-                      : spec.samples == SampleType::u16 ? CV_16U
-                                                        : CV_32F;
-    return CV_MAKETYPE(depth, spec.channels);
-  }
-
   void write_row(std::span<const float> row) override {
     const int channels = spec().channels;
+    auto* to = mat_.ptr<std::uint8_t>(rows_written());
     for (std::size_t i = 0; i < row.size(); ++i) {
       const int c = static_cast<int>(i % std::size_t(channels));
-      const std::size_t place = i - std::size_t(c) + std::size_t(swapped(c, channels));
-      switch (spec().samples) {
-        case SampleType::u8:
-          mat_.ptr<std::uint8_t>(rows_written())[place] = to_u8(row[i]);
-          break;
-        case SampleType::u16:
-          mat_.ptr<std::uint16_t>(rows_written())[place] = to_u16(row[i]);
-          break;
-        case SampleType::f32:
-          mat_.ptr<float>(rows_written())[place] = row[i] / 255.0F;
-          break;
-      }
+      to[i - std::size_t(c) + std::size_t(swapped(c, channels))] = to_u8(row[i]);
     }
   }
 
@@ -106,10 +67,6 @@ class OpenCvWriter final : public CheckedRowWriter {
       case ImageFormat::kJpeg:
         extension = ".jpg";
         options = {cv::IMWRITE_JPEG_QUALITY, 95};
-        break;
-      case ImageFormat::kTiff:
-        extension = ".tiff";
-        options = {cv::IMWRITE_TIFF_COMPRESSION, 5};  // LZW; the default for floats loses precision (LogLuv)
         break;
       case ImageFormat::kWebp:
         extension = ".webp";

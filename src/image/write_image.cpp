@@ -26,7 +26,7 @@ Abilities abilities(ImageFormat format) {
     case ImageFormat::kPfm:
       return {false, false, true, true, false, true, false, false};
     case ImageFormat::kTiff:
-      return {true, true, true, true, false, true, true, true};
+      return {true, true, true, true, true, true, true, true};
     case ImageFormat::kJpeg:
     case ImageFormat::kBmp:  // with a fourth byte that nearly all readers ignore
       return {true, false, false, true, false, true, false, true};
@@ -67,7 +67,7 @@ void check_spec(const ImageFileSpec& spec) {
   const bool channels[] = {can.grey, can.grey_alpha, can.rgb, can.rgb_alpha};
   if (spec.channels < 1 || spec.channels > 4) refuse("a picture has 1 to 4 channels");
   if (!channels[spec.channels - 1]) {
-    refuse(name + (spec.channels == 2 ? " does not hold grey with alpha; use png or pam"
+    refuse(name + (spec.channels == 2 ? " does not hold grey with alpha; use png, pam or tiff"
                                       : " does not hold alpha; use png, pam, tiff or webp, or a background"));
   }
   if (can.whole_in_memory && std::uint64_t(spec.width) * std::uint64_t(spec.height) > kMaxPixels) {
@@ -154,6 +154,8 @@ std::unique_ptr<RowWriter> open_image_writer(const std::filesystem::path& path, 
                                             ": PFM is stored bottom row first and needs a real file");
       }
       return make_pnm_writer(std::move(file), spec);
+    case ImageFormat::kTiff:
+      return make_tiff_writer(std::move(file), spec);
     default:
       return make_opencv_writer(std::move(file), spec);
   }

@@ -1,6 +1,7 @@
 #include "knotreel/image/write_image.h"
 
 #include <gtest/gtest.h>
+#include <tiffio.h>
 
 #include <functional>
 
@@ -55,24 +56,25 @@ std::string case_name(const testing::TestParamInfo<Case>& parameter) {
   return std::string(c.name).substr(2) + "_" + std::to_string(c.channels) + "_" + kDepths[int(c.samples)];
 }
 
-INSTANTIATE_TEST_SUITE_P(LosslessFormats, WriteAndRead,
-                         testing::Values(Case{"a.png", 1, SampleType::u8}, Case{"a.png", 2, SampleType::u8},
-                                         Case{"a.png", 3, SampleType::u8}, Case{"a.png", 4, SampleType::u8},
-                                         Case{"a.png", 1, SampleType::u16}, Case{"a.png", 2, SampleType::u16},
-                                         Case{"a.png", 3, SampleType::u16}, Case{"a.PNG", 4, SampleType::u16},
-                                         Case{"a.pgm", 1, SampleType::u8}, Case{"a.pgm", 1, SampleType::u16},
-                                         Case{"a.ppm", 3, SampleType::u8}, Case{"a.ppm", 3, SampleType::u16},
-                                         Case{"a.pam", 1, SampleType::u8}, Case{"a.pam", 2, SampleType::u16},
-                                         Case{"a.pam", 3, SampleType::u8}, Case{"a.pam", 4, SampleType::u16},
-                                         Case{"a.pfm", 1, SampleType::f32}, Case{"a.pfm", 3, SampleType::f32},
-                                         Case{"a.tiff", 1, SampleType::u8}, Case{"a.tif", 3, SampleType::u8},
-                                         Case{"a.tiff", 4, SampleType::u8},
-                                         Case{"a.tiff", 3, SampleType::u16},
-                                         Case{"a.tiff", 4, SampleType::u16},
-                                         Case{"a.tiff", 1, SampleType::f32},
-                                         Case{"a.tiff", 3, SampleType::f32}, Case{"a.bmp", 3, SampleType::u8},
-                                         Case{"a.webp", 3, SampleType::u8}),
-                         case_name);
+INSTANTIATE_TEST_SUITE_P(
+    LosslessFormats, WriteAndRead,
+    testing::Values(Case{"a.png", 1, SampleType::u8}, Case{"a.png", 2, SampleType::u8},
+                    Case{"a.png", 3, SampleType::u8}, Case{"a.png", 4, SampleType::u8},
+                    Case{"a.png", 1, SampleType::u16}, Case{"a.png", 2, SampleType::u16},
+                    Case{"a.png", 3, SampleType::u16}, Case{"a.PNG", 4, SampleType::u16},
+                    Case{"a.pgm", 1, SampleType::u8}, Case{"a.pgm", 1, SampleType::u16},
+                    Case{"a.ppm", 3, SampleType::u8}, Case{"a.ppm", 3, SampleType::u16},
+                    Case{"a.pam", 1, SampleType::u8}, Case{"a.pam", 2, SampleType::u16},
+                    Case{"a.pam", 3, SampleType::u8}, Case{"a.pam", 4, SampleType::u16},
+                    Case{"a.pfm", 1, SampleType::f32}, Case{"a.pfm", 3, SampleType::f32},
+                    Case{"a.tiff", 1, SampleType::u8}, Case{"a.tif", 3, SampleType::u8},
+                    Case{"a.tiff", 2, SampleType::u8}, Case{"a.tiff", 4, SampleType::u8},
+                    Case{"a.tiff", 2, SampleType::u16}, Case{"a.tiff", 3, SampleType::u16},
+                    Case{"a.tiff", 4, SampleType::u16}, Case{"a.tiff", 1, SampleType::f32},
+                    Case{"a.tiff", 2, SampleType::f32}, Case{"a.tiff", 4, SampleType::f32},
+                    Case{"a.tiff", 3, SampleType::f32}, Case{"a.bmp", 3, SampleType::u8},
+                    Case{"a.webp", 3, SampleType::u8}),
+    case_name);
 
 TEST(WriteImage, AlphaIsKeptOrRefused) {
   const TempDir dir;
@@ -91,6 +93,25 @@ TEST(WriteImage, AlphaIsKeptOrRefused) {
       ASSERT_EQ(back.channels, channels) << name;
       for (int x = 0; x < 16; ++x)
         EXPECT_NEAR(back.at(x, 5, channels - 1), image.at(x, 5, channels - 1), 2) << name;
+    }
+  }
+}
+
+TEST(WriteImage, TiffSaysWhatItsSamplesAre) {
+  const TempDir dir;
+  for (const SampleType samples : {SampleType::u8, SampleType::u16, SampleType::f32}) {
+    for (const int channels : {1, 2, 3, 4}) {
+      write_image(dir / "a.tiff", make_image(9, 7, channels), samples);
+      const std::unique_ptr<TIFF, void (*)(TIFF*)> tiff(TIFFOpen((dir / "a.tiff").c_str(), "r"), TIFFClose);
+      ASSERT_NE(tiff, nullptr);
+      std::uint16_t photometric = 0;
+      std::uint16_t count = 0;
+      const std::uint16_t* others = nullptr;
+      TIFFGetField(tiff.get(), TIFFTAG_PHOTOMETRIC, &photometric);
+      TIFFGetField(tiff.get(), TIFFTAG_EXTRASAMPLES, &count, &others);
+      EXPECT_EQ(photometric, channels < 3 ? PHOTOMETRIC_MINISBLACK : PHOTOMETRIC_RGB);
+      ASSERT_EQ(count, channels % 2 == 0 ? 1 : 0) << channels;
+      EXPECT_TRUE(count == 0 || others[0] == EXTRASAMPLE_UNASSALPHA);
     }
   }
 }
@@ -166,7 +187,7 @@ TEST(WriteImage, WhatAFormatCannotHoldIsRefused) {
   EXPECT_EQ(open("a.jpg", 3, SampleType::u16), ErrorKind::kInvalidArgument);
   EXPECT_EQ(open("a.png", 3, SampleType::f32), ErrorKind::kInvalidArgument);
   EXPECT_EQ(open("a.ppm", 4, SampleType::u8), ErrorKind::kInvalidArgument);
-  EXPECT_EQ(open("a.tiff", 2, SampleType::u8), ErrorKind::kInvalidArgument);
+  EXPECT_EQ(open("a.webp", 2, SampleType::u8), ErrorKind::kInvalidArgument);
   EXPECT_EQ(open("a.pfm", 3, SampleType::u8), ErrorKind::kInvalidArgument);
   EXPECT_EQ(dir.entries(), 0u);
 }

@@ -28,7 +28,7 @@ class RowWriter {
 
 /// What a picture file is to be. PNG (u8, u16; any channels), PNM (u8, u16; 1 or 3 channels), PAM (u8, u16;
 /// any) and PFM (f32; 1 or 3; not into a pipe) are written row by row, so memory does not grow with the
-/// picture. TIFF (u8, u16, f32; 1, 3, 4), JPEG and BMP (u8; 1, 3) and WebP (u8; 1, 3, 4) are held
+/// picture. TIFF (u8, u16, f32; any), JPEG and BMP (u8; 1, 3) and WebP (u8; 1, 3, 4) are held
 /// in memory until finish() and limited to kMaxPixels.
 struct ImageFileSpec {
   int width = 0;
