@@ -72,6 +72,10 @@ void warn(const std::string& message) {
   put_error_line("warning: " + message);
 }
 
+void warn_all(const std::vector<std::string>& messages) {
+  for (const std::string& message : messages) warn(message);
+}
+
 void warn_of(const std::string& path, const std::vector<std::string>& messages) {
   for (const std::string& message : messages) warn("'" + path + "': " + message);
 }

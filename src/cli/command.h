@@ -52,6 +52,8 @@ void write_text(const std::string& path, const std::string& text);
 /// One line on standard error, "knotreel: warning: ...", for what is done but may surprise.
 void warn(const std::string& message);
 
+void warn_all(const std::vector<std::string>& messages);
+
 /// The same for each of these, with the name of the file that they are about.
 void warn_of(const std::string& path, const std::vector<std::string>& messages);
 

@@ -48,6 +48,10 @@ void compare_pictures(const CompareArguments& arguments) {
 
 void compare(const CompareArguments& arguments) {
   check_paths({arguments.a, arguments.b}, {{arguments.stats}});
+  for (const std::string& path : {arguments.a, arguments.b}) {
+    if (arguments.one_frame && !is_document(path) && has_frames(path))
+      throw Error(ErrorKind::kInvalidArgument, "--frame is for documents, and '" + path + "' is a video");
+  }
   const bool videos = !arguments.one_frame && (has_frames(arguments.a) || has_frames(arguments.b));
   if (videos) {
     compare_videos({.reference = arguments.a,

@@ -54,7 +54,7 @@ class Documents {
     for (std::size_t i = 0; i < names_.size(); ++i) {
       check_interrupted();
       document::Reader reader = open_document(names_[i]);
-      if (!reader.complete()) warn("'" + names_[i] + "' is cut short: read up to its last whole frame");
+      warn_if_cut_short(names_[i], reader);
       contents_.push_back(pipeline::contents_of(reader, names_[i]));
       std::error_code ignored;
       if (!fs::is_regular_file(names_[i], ignored)) open_[i] = std::move(reader);
@@ -88,9 +88,10 @@ std::string summary_text(const CopyArguments& arguments, std::size_t documents,
                          const pipeline::CopySummary& summary) {
   const std::string from = documents > 1 ? fmt::format(" of {} documents", documents) : "";
   if (arguments.output.empty())
-    return fmt::format("{}: {}{}\n", arguments.split_folder, counted(summary.frames, "frame"), from);
-  return fmt::format("{}: {}{}, {} bytes\n", arguments.output, counted(summary.frames, "frame"), from,
-                     summary.document_bytes);
+    return fmt::format("{}: {}{}\n", printable(arguments.split_folder), counted(summary.frames, "frame"),
+                       from);
+  return fmt::format("{}: {}{}, {} bytes\n", printable(arguments.output), counted(summary.frames, "frame"),
+                     from, summary.document_bytes);
 }
 
 void run_copy(const CopyArguments& arguments) {
@@ -104,7 +105,7 @@ void run_copy(const CopyArguments& arguments) {
   Documents documents(names);
   pipeline::CopyJob job;
   job.plan = plan_of(arguments, documents);
-  for (const std::string& warning : job.plan.warnings) warn(warning);
+  warn_all(job.plan.warnings);
   job.open = [&](std::size_t document) { return documents.reader(document); };
   job.document = arguments.output;
   job.split_folder = arguments.split_folder;
@@ -122,8 +123,8 @@ void run_copy(const CopyArguments& arguments) {
 }
 
 constexpr const char* kCopyFooter = R"(
-Nothing is computed again: frames keep all their numbers, and are stored as changes to the frame before where they
-were and it still is before them. A document that was cut short becomes a whole one.
+Nothing is computed again: frames keep all their numbers, and are stored as changes to the frame before where
+they were and it still is before them. A document that was cut short becomes a whole one.
 Each document begins where the one before ends; those that a video was split into keep their times.
 Examples:
   knotreel copy clip.tcb -o part.tcb --start 1:05 --end 1:07.5
@@ -148,11 +149,7 @@ void add_copy_command(CLI::App& program) {
   command
       ->add_option("-o,--output", arguments->output, "Vector document to write (.tcb); '-': standard output")
       ->type_name("FILE");
-  command
-      ->add_option("--split", arguments->split_folder,
-                   "Write a document per frame, frame_000001.tcb and so on, into this\n"
-                   "folder, made if missing; then --output may be left out")
-      ->type_name("DIR");
+  add_split_option(*command, arguments->split_folder);
   add_part_options(*command, arguments->part,
                    "Only these frames, counted from 0 over all documents; A- is up to the\nend");
   command

@@ -144,6 +144,14 @@ Output split_output(const std::string& folder) {
   return {(fs::path(folder) / "frame_%06d.tcb").string(), true};
 }
 
+void add_split_option(CLI::App& command, std::string& folder) {
+  command
+      .add_option("--split", folder,
+                  "Write a document per frame, frame_000001.tcb and so on, into this\n"
+                  "folder, made if missing; then --output may be left out")
+      ->type_name("DIR");
+}
+
 void add_no_overwrite_option(CLI::App& command) {
   command.add_flag_callback(
       "-n,--no-overwrite", [] { keeps_files = true; },

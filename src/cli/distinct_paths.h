@@ -19,6 +19,9 @@ Output video_output(const std::string& path, const std::string& container = {});
 /// A document per frame in a folder; empty: nothing.
 Output split_output(const std::string& folder);
 
+/// Adds `--split DIR`.
+void add_split_option(CLI::App& command, std::string& folder);
+
 /// Adds `-n`, `--no-overwrite`: check_paths() refuses outputs that are there already.
 void add_no_overwrite_option(CLI::App& command);
 

@@ -25,15 +25,15 @@ using namespace knotreel;
 
 constexpr const char* kFooter = R"(
 Examples:
-  knotreel transcode clip.mp4 -o large.mp4 --scale 2 video to vectors and back, twice as large
-  knotreel vectorize clip.mp4 -o clip.tcb            video to a document with all frames
-  knotreel render clip.tcb -o clip.mkv               and back
-  knotreel vectorize photo.png -o photo.tcb          picture to vector document
-  knotreel render photo.tcb -o large.png --scale 4   and back, four times as large
-  knotreel export photo.tcb -o photo.pdf             for other programs
-  knotreel copy clip.tcb -o part.tcb --frames 0-99   a part, as it is
-  knotreel compare photo.png photo.tcb               how close is it?
-  knotreel info photo.tcb                            what is in it?
+  knotreel transcode clip.mp4 -o large.mp4 --scale 2  video to vectors and back, twice as large
+  knotreel vectorize clip.mp4 -o clip.tcb             video to a document with all frames
+  knotreel render clip.tcb -o clip.mkv                and back
+  knotreel vectorize photo.png -o photo.tcb           picture to vector document
+  knotreel render photo.tcb -o large.png --scale 4    and back, four times as large
+  knotreel export photo.tcb -o photo.pdf              for other programs
+  knotreel copy clip.tcb -o part.tcb --frames 0-99    a part, as it is
+  knotreel compare photo.png photo.tcb                how close is it?
+  knotreel info photo.tcb                             what is in it?
 'knotreel help COMMAND' tells more about a command.
 
 Videos: all that libav reads and writes. Pictures: PNG, JPEG, TIFF, WebP, BMP, PBM/PGM/PPM, PAM, PFM.

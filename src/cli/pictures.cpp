@@ -71,6 +71,10 @@ document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame) {
   return reader.read(frame);
 }
 
+void warn_if_cut_short(const std::string& path, const document::Reader& reader) {
+  if (!reader.complete()) warn("'" + path + "' is cut short: read up to its last whole frame");
+}
+
 void warn_of_other_frames(const std::string& path, const document::Reader& reader, bool told) {
   if (told || reader.frame_count() <= 1) return;
   warn_of(path, {"only the first of " + std::to_string(reader.frame_count()) +

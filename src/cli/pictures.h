@@ -27,6 +27,9 @@ Turn turn_of(const document::Reader& reader);
 /// Reads one frame. @throws Error{kInvalidArgument} if there is no such frame.
 document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame);
 
+/// Warns of a document that is read up to its last whole frame.
+void warn_if_cut_short(const std::string& path, const document::Reader& reader);
+
 /// Warns where only the first frame of several is drawn, and nobody has said so.
 /// @param told  --frame was given.
 void warn_of_other_frames(const std::string& path, const document::Reader& reader, bool told);

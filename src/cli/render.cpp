@@ -15,21 +15,6 @@ namespace {
 constexpr std::uint64_t kMaxOutputPixels = std::uint64_t{1} << 32;
 constexpr std::uint64_t kMaxTurnedPixels = std::uint64_t{1} << 28;
 
-struct RenderArguments {
-  std::string input;
-  std::string output;
-  double scale = 1;
-  std::string size;
-  std::string crop;
-  std::uint64_t frame = 0;
-  std::string depth = "8";
-  std::string background;
-  std::string format;
-  bool aliased = false;
-  int threads = 0;
-  RenderVideo video;  ///< what only matters for videos
-};
-
 [[noreturn]] void refuse(const std::string& why) {
   throw Error(ErrorKind::kInvalidArgument, why);
 }
@@ -78,7 +63,7 @@ void render_picture(const RenderArguments& arguments, bool frame_is_told) {
                                            : image::SampleType::f32;
   if (!arguments.format.empty()) {
     spec.format = image::format_of_extension(arguments.format);
-    if (!spec.format) refuse("--format does not know '" + arguments.format + "'");
+    if (!spec.format) refuse("--format does not know '" + arguments.format + "' for one picture");
   }
 
   document::Reader reader = open_document(arguments.input);
@@ -110,9 +95,10 @@ void check_kind(const CLI::App& command, bool video) {
 }
 
 void render(const CLI::App& command, RenderArguments& arguments) {
+  warn_if_not_written(arguments.output, arguments.format);
+  if (arguments.format == "null") arguments.output = "null";
   if (arguments.output.empty()) {
-    const bool nowhere = arguments.format == "null" || arguments.format == "hash";
-    if (!nowhere) refuse("--output is required (see knotreel render --help)");
+    if (arguments.format != "hash") refuse("--output is required (see knotreel render --help)");
     arguments.output = "-";  // for the digest
   }
   const bool is_video = is_video_output(arguments.output, arguments.format);
@@ -121,18 +107,7 @@ void render(const CLI::App& command, RenderArguments& arguments) {
     render_picture(arguments, command.count("--frame") > 0);
     return;
   }
-  RenderVideo video = arguments.video;
-  video.input = arguments.input;
-  video.output = arguments.output;
-  video.format = arguments.format;
-  video.scale = arguments.scale;
-  video.size = arguments.size;
-  video.crop = arguments.crop;
-  video.background = parse_background(arguments.background);
-  video.depth = arguments.depth == "8" ? 0 : 16;
-  video.aliased = arguments.aliased;
-  video.threads = arguments.threads;
-  render_video(video);
+  render_video(arguments);
 }
 
 constexpr const char* kRenderFooter = R"(
@@ -188,7 +163,7 @@ void add_render_command(CLI::App& program) {
   add_threads_option(*command, arguments->threads);
   add_no_overwrite_option(*command);
   add_quiet_option(*command);
-  add_render_video_options(*command, arguments->video);
+  add_render_video_options(*command, *arguments);
   command->footer(kRenderFooter);
   command->callback([command, arguments] { render(*command, *arguments); });
 }

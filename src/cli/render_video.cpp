@@ -25,7 +25,7 @@
 namespace knotreel::cli {
 namespace {
 
-pipeline::RenderJob make_job(const RenderVideo& arguments, document::Reader& reader) {
+pipeline::RenderJob make_job(const RenderArguments& arguments, document::Reader& reader) {
   pipeline::RenderJob job;
   job.reader = &reader;
   const FrameRange range = frames_of(reader, part_of(arguments.part));
@@ -43,15 +43,15 @@ pipeline::RenderJob make_job(const RenderVideo& arguments, document::Reader& rea
     const Rect crop = parse_crop(arguments.crop, size, turn);
     job.video.crop = {crop.x, crop.y, crop.width, crop.height};
   }
-  job.video.background = arguments.background;
-  job.video.depth = arguments.depth;
+  job.video.background = parse_background(arguments.background);
+  job.video.depth = arguments.depth == "8" ? 0 : 16;  // 0: as the document says
   job.video.antialias = !arguments.aliased;
   job.stop = [] { return interrupted(); };
   return job;
 }
 
 /// The video whose sound goes along, if there is one.
-std::optional<video::VideoReader> open_copied(const RenderVideo& arguments) {
+std::optional<video::VideoReader> open_copied(const RenderArguments& arguments) {
   if (arguments.copied.empty()) return {};
   video::ReadOptions options;
   options.threads = 1;
@@ -65,36 +65,37 @@ std::optional<video::VideoReader> open_copied(const RenderVideo& arguments) {
   return reader;
 }
 
-nlohmann::ordered_json head_json(const RenderVideo& arguments, const pipeline::RenderJob& job) {
+nlohmann::ordered_json head_json(const RenderArguments& arguments, const pipeline::RenderJob& job,
+                                 const document::SequenceInfo& info) {
+  const video::Rational rate = job.rate.known() ? job.rate : pipeline::stream_info(info).frame_rate;
   return {{"version", KNOTREEL_VERSION},
           {"input", arguments.input},
           {"output", arguments.output},
           {"width", job.video.crop ? job.video.crop->width : job.video.width},
           {"height", job.video.crop ? job.video.crop->height : job.video.height},
-          {"frame_rate", {job.rate.num, job.rate.den}},
+          {"frame_rate", {rate.num, rate.den}},
           {"threads", arguments.threads}};
 }
 
-std::vector<Output> outputs_of(const RenderVideo& arguments) {
+std::vector<Output> outputs_of(const RenderArguments& arguments) {
   const bool digest = arguments.format == "hash";
   return {digest ? Output{arguments.output} : video_output(arguments.output, arguments.format),
           {arguments.stats},
           {arguments.progress}};
 }
 
-void tell(const RenderVideo& arguments, const pipeline::Summary& summary) {
-  for (const std::string& line : summary.warnings) warn(line);
+void tell(const RenderArguments& arguments, const pipeline::Summary& summary) {
+  warn_all(summary.warnings);
   if (arguments.format == "hash") {
     write_text(arguments.output, summary.digest + "\n");
   } else if (!uses_standard_output(outputs_of(arguments))) {
-    const bool nowhere = arguments.format == "null";
-    tell_result(summary_text(nowhere ? arguments.format : arguments.output, summary));
+    tell_result(summary_text(arguments.output, summary));
   }
 }
 
 }  // namespace
 
-void add_render_video_options(CLI::App& command, RenderVideo& options) {
+void add_render_video_options(CLI::App& command, RenderArguments& options) {
   command.option_defaults()->group(kVideoGroup);
   add_part_options(command, options.part, "Only these frames, counted from 0; A- is up to the end");
   command
@@ -119,7 +120,7 @@ void add_render_video_options(CLI::App& command, RenderVideo& options) {
 
 namespace {
 
-void check_copied(const RenderVideo& arguments) {
+void check_copied(const RenderArguments& arguments) {
   if (arguments.copied.empty()) return;
   if (arguments.copied == "-" && arguments.input == "-") {
     throw Error(ErrorKind::kInvalidArgument, "the document and --copy-streams cannot both be standard input");
@@ -140,19 +141,19 @@ bool is_video_output(const std::string& output, const std::string& format) {
   return std::filesystem::path(output).has_extension() && !has_picture_name(output);
 }
 
-void render_video(const RenderVideo& arguments) {
+void render_video(const RenderArguments& arguments) {
   check_copied(arguments);
   check_paths({arguments.input, arguments.copied}, outputs_of(arguments));
   const ThreadCap cap(arguments.threads);
   document::Reader reader = open_document(arguments.input);
-  if (!reader.complete()) warn("'" + arguments.input + "' is cut short: read up to its last whole frame");
+  warn_if_cut_short(arguments.input, reader);
   pipeline::RenderJob job = make_job(arguments, reader);
   std::optional<video::VideoReader> copied = open_copied(arguments);
   if (copied) job.copied = &*copied;
   const video::Rational ticks = pipeline::stream_info(reader.info()).time_base;
   ProgressFile progress(arguments.progress,
                         job.rate.known() ? video::Rational{job.rate.den, job.rate.num} : ticks);
-  VideoStats stats(arguments.stats, head_json(arguments, job));
+  VideoStats stats(arguments.stats, head_json(arguments, job, reader.info()));
   pipeline::Summary summary;
   {
     VideoLine line(pipeline::frame_count(job));

@@ -1,26 +1,27 @@
 #pragma once
 
 #include <CLI/CLI.hpp>
+#include <cstdint>
 #include <string>
 
 #include "cli/video_options.h"
-#include "knotreel/image/background.h"
 
 namespace knotreel::cli {
 
-/// What `render` is asked to do if the output is a video.
-struct RenderVideo {
+/// What `render` is asked to do.
+struct RenderArguments {
   std::string input;
   std::string output;
   std::string format;
   double scale = 1;
   std::string size;
   std::string crop;  ///< in pixels of the whole; empty: all of it
-  image::Background background;
-  int depth = 0;  ///< bits per component; 0: as the document says
+  std::string background;
+  std::string depth = "8";
   bool aliased = false;
   int threads = 0;
-  // The rest has options of its own.
+  std::uint64_t frame = 0;  ///< of pictures
+  // The rest is for videos.
   PartOptions part;
   std::string fps;     ///< empty: times as stored
   std::string copied;  ///< video whose other streams go along; empty: none
@@ -30,12 +31,12 @@ struct RenderVideo {
 };
 
 /// Adds the options that only videos have; `options` must live until it has been parsed.
-void add_render_video_options(CLI::App& command, RenderVideo& options);
+void add_render_video_options(CLI::App& command, RenderArguments& options);
 
 /// Whether a name, or else a format that is given, means a video or a picture for each frame.
 bool is_video_output(const std::string& output, const std::string& format);
 
 /// @throws Error{kInterrupted} after a signal, when the video is whole.
-void render_video(const RenderVideo& arguments);
+void render_video(const RenderArguments& arguments);
 
 }  // namespace knotreel::cli

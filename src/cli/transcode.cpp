@@ -21,6 +21,7 @@ void transcode(TranscodeArguments& arguments) {
   if (run.video.path.empty() && !nowhere) {
     throw Error(ErrorKind::kInvalidArgument, "--output is required (see knotreel transcode --help)");
   }
+  warn_if_not_written(run.video.path, arguments.format);
   const std::string output = run.video.path.empty() ? "-" : run.video.path;
   run.video.path = nowhere ? arguments.format : output;  // these write no file
   run.video.options = write_options(arguments.encoding, arguments.format, run.threads);

@@ -140,6 +140,9 @@ void vectorize_picture(const VectorizeArguments& arguments) {
   check_interrupted();
   options.max_control_points = made.report.max_control_points;
   warn_of(arguments.input, warnings_of(made.report));
+  if (arguments.options.fine_grid == "all" && image.pixel_count() > vectorize::kMostFineGridPixels)
+    warn(fmt::format("{} has more than {} pixels: no --fine-grid", arguments.input,
+                     vectorize::kMostFineGridPixels));
   timer.finish("vectorize");
 
   const StillDocument document = still_document(image, made.model);

@@ -60,8 +60,8 @@ void add_effort(CLI::App& command, VectorizeOptions& options, const std::string&
   command
       .add_option("--preset", options.preset,
                   "Time or quality: fast, balanced or fine. Sets --rounds, --descent-steps,\n"
-                  "--max-blur, the sweeps over the knots and how far colours beside features\n"
-                  "are corrected; options given besides it win")
+                  "--max-blur, --fine-grid, the sweeps over the knots and whether the bound on\n"
+                  "control points may grow; options given besides it win")
       ->check(CLI::IsMember(kPresets).description(""))
       ->type_name("NAME")
       ->capture_default_str();
@@ -107,9 +107,9 @@ void add_features(CLI::App& command, VectorizeOptions& options) {
   command.add_flag("--no-fairing", options.no_fairing, "Leave the curves of features as they were found");
   command
       .add_option("--fine-grid", options.fine_grid,
-                  "Find features on pixels of half the size, in twice the time and memory, so that\n"
-                  "thin strokes and small letters are drawn as such: none, drawings or all\n"
-                  "pictures; in videos it is for drawn frames alone\n(default " +
+                  "Find features on pixels of half the size, so that thin strokes and small letters\n"
+                  "are drawn as such: none, drawings or all pictures, of up to 1.25 megapixels;\n"
+                  "in two to three times the time and memory; in videos for drawn frames alone\n(default " +
                       by_preset([](const vectorize::Options& o) { return fine_grid_name(o.fine_grid); }) +
                       ")")
       ->check(CLI::IsMember(kFineGrids).description(""))

@@ -6,11 +6,7 @@ namespace knotreel::cli {
 
 void add_vectorize_video_options(CLI::App& command, VideoRun& run) {
   command.option_defaults()->group(kVideoGroup);
-  command
-      .add_option("--split", run.split_folder,
-                  "Write a document per frame, frame_000001.tcb and so on, into this\n"
-                  "folder, made if missing; then --output may be left out")
-      ->type_name("DIR");
+  add_split_option(command, run.split_folder);
   add_progress_option(command, run.progress);
   add_trace_option(command, run.trace);
   add_tracking_options(command, run.tracking, run.no_drawn_frames);

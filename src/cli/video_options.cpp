@@ -155,6 +155,10 @@ video::WriteOptions write_options(const VideoOutputOptions& given, const std::st
   return options;
 }
 
+void warn_if_not_written(const std::string& output, const std::string& format) {
+  if (format == "null" && !output.empty()) warn("'" + output + "' is not written: --format is null");
+}
+
 nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {
   return {{"warm_start", o.warm_start},
           {"drawn_frames", o.drawn != nullptr},

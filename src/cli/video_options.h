@@ -56,6 +56,9 @@ video::ReadOptions read_options(const VideoInputOptions& given, int threads);
 /// @param container as video::WriteOptions. @throws Error{kInvalidArgument} for an option without "=".
 video::WriteOptions write_options(const VideoOutputOptions& given, const std::string& container, int threads);
 
+/// Warns of an output that is named although the format writes none.
+void warn_if_not_written(const std::string& output, const std::string& format);
+
 /// As docs/stats.md tells.
 nlohmann::ordered_json tracking_json(const track::TrackOptions& options);
 

@@ -59,10 +59,6 @@ nlohmann::ordered_json head_json(const VideoRun& run, const pipeline::Job& job) 
           {"tracking", tracking_json(job.tracking)}};
 }
 
-void warn_all(const std::vector<std::string>& lines) {
-  for (const std::string& line : lines) warn(line);
-}
-
 }  // namespace
 
 std::vector<std::string> missing_frames(const VideoRun& run, const pipeline::Summary& summary) {

@@ -42,9 +42,9 @@ class TilePlaces {
   const PixelTiles& tiles_;
   std::size_t tile_;
   Vec2 origin_;
-  const Value* x_;
   alignas(64) std::array<Value, 2 * kPixels> other_;  ///< if they are at other places
-  std::array<double, 2 * kPixels> exact_;             ///< all x, then all y
+  const Value* x_;
+  std::array<double, 2 * kPixels> exact_;  ///< all x, then all y
   bool has_exact_ = false;
 };
 

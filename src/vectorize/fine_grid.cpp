@@ -11,9 +11,6 @@ namespace knotreel::vectorize {
 
 namespace {
 
-// Four times the pixels take about 1.4 KB each of the picture's.
-constexpr std::uint64_t kMostPixels = 1'250'000;
-
 mesh::KnotMesh halved(mesh::KnotMesh mesh) {
   mesh.width *= 0.5;
   mesh.height *= 0.5;
@@ -53,7 +50,8 @@ MappedPicture halved(const MappedPicture& fine, const image::Image& picture) {
 }  // namespace
 
 bool wants_fine_grid(const image::Image& picture, const Options& options) {
-  if (options.fine_grid == FineGrid::kNone || !options.features || picture.pixel_count() > kMostPixels)
+  if (options.fine_grid == FineGrid::kNone || !options.features ||
+      picture.pixel_count() > kMostFineGridPixels)
     return false;
   if (options.fine_grid == FineGrid::kDrawings && !features::is_drawing(picture)) return false;
   return !features::detect_features(picture, options.detect).chains.empty();

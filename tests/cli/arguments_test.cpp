@@ -28,7 +28,7 @@ TEST(Cli, HelpIsAnAnswerAndTellsTheExitCodes) {
 
 TEST(Cli, EveryCommandHasHelpWithAnExample) {
   for (const std::string command :
-       {"vectorize", "transcode", "render", "export", "info", "dump", "compare"}) {
+       {"vectorize", "transcode", "batch", "render", "export", "copy", "info", "dump", "compare", "bench"}) {
     const auto result = test::knotreel({command, "--help"});
     expect_success(result);
     EXPECT_NE(result.out.find("knotreel " + command), std::string::npos) << command;

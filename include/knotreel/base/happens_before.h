@@ -1,6 +1,14 @@
 #pragma once
 
-#if defined(__SANITIZE_THREAD__)
+#if defined(__SANITIZE_THREAD__)  // GCC
+#define KNOTREEL_THREAD_SANITIZER 1
+#elif defined(__has_feature)
+#if __has_feature(thread_sanitizer)  // Clang
+#define KNOTREEL_THREAD_SANITIZER 1
+#endif
+#endif
+
+#if defined(KNOTREEL_THREAD_SANITIZER)
 extern "C" {
 void __tsan_acquire(void* address);
 void __tsan_release(void* address);
@@ -14,7 +22,7 @@ namespace knotreel {
 /// otherwise; it orders nothing by itself.
 class HappensBefore {
  public:
-#if defined(__SANITIZE_THREAD__)
+#if defined(KNOTREEL_THREAD_SANITIZER)
   void release() {
     __tsan_release(&place_);
   }

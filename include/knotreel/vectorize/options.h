@@ -22,9 +22,11 @@ enum class Preset : std::uint8_t {
   kFine,      ///< until more effort brings little
 };
 
-/// Which pictures have features found, and knots placed, on pixels of half the size, where strokes of one or
-/// two pixels have two sides (docs/decisions/0044): of those of up to 1.25 megapixels with edges that do not
-/// all come in steps.
+/// Of larger pictures none has a fine grid: twice the pixels each way take 1.4 KB for each of the picture's.
+inline constexpr std::uint64_t kMostFineGridPixels = 1'250'000;
+
+/// Which pictures of up to kMostFineGridPixels have features found, and knots placed, on pixels of half the
+/// size, where strokes of one or two pixels have two sides (docs/decisions/0044).
 enum class FineGrid : std::uint8_t {
   kNone,
   kDrawings,  ///< features::is_drawing()
@@ -91,7 +93,7 @@ struct Options {
   /// the ends of others beside the curve, not along it (docs/decisions/0043).
   bool clear_curves = true;
   bool clear_inside = true;  ///< with clear_curves, at knots inside segments, too
-  /// Takes about twice the time, and up to three times the memory. Lengths and thresholds of other options
+  /// Takes two to three times the time and memory. Lengths and thresholds of other options
   /// stay those of the picture.
   FineGrid fine_grid = FineGrid::kDrawings;
   /// Times detect.smoothing, on a fine grid, in its pixels; > 0. Less than 2, which is the same in pixels of

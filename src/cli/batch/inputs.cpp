@@ -138,8 +138,9 @@ std::vector<Item> find_items(const Places& places) {
   const bool folder = places.input != "-" && fs::is_directory(places.input, ignored);
   const std::vector<Found> found = folder ? in_folder(places.input, places) : in_list(places.input);
   if (found.empty())
-    throw Error(ErrorKind::kInput,
-                cannot_read(places.input, places.clips_only ? "videos" : "pictures") + "there are none");
+    throw Error(
+        ErrorKind::kInput,
+        cannot_read(places.input, places.clips_only ? "videos" : "pictures or videos") + "there are none");
   const std::vector<std::string> names = names_of(found, places.extension);
   std::vector<Item> items;
   for (std::size_t i = 0; i < found.size(); ++i) {

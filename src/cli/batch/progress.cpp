@@ -56,7 +56,7 @@ void Progress::tick() {
 void Progress::finish() {
   clear();
   if (telling_ == Telling::kNothing) return;
-  tell_result(fmt::format("{} items: {} done, {} failed, {} skipped in {:.1f} s\n", counts_.total,
+  tell_result(fmt::format("{}: {} done, {} failed, {} skipped in {:.1f} s\n", counted(counts_.total, "item"),
                           counts_.done, counts_.failed, counts_.skipped, seconds()));
 }
 
@@ -66,7 +66,7 @@ void Progress::clear() {
 
 void Progress::show() {
   if (!terminal_) return;
-  std::string text = fmt::format("knotreel: {} of {} items", counts_.ended(), counts_.total);
+  std::string text = fmt::format("knotreel: {} of {}", counts_.ended(), counted(counts_.total, "item"));
   if (counts_.failed > 0) text += fmt::format(", {} failed", counts_.failed);
   // What was skipped took no time, and says nothing of what is to come.
   if (const std::size_t made = counts_.done + counts_.failed; made > 0) {

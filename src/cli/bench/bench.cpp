@@ -206,8 +206,8 @@ void add_reports(CLI::App& command, BenchArguments& arguments) {
 }
 
 constexpr const char* kBenchFooter = R"(
-Each run is a process of its own, 'knotreel transcode', and beside it the same clip is only decoded and encoded:
-that is the ceiling. docs/benchmarks.md tells what the figures mean.
+Each run is a process of its own, 'knotreel transcode', and beside it the same clip is only decoded and
+encoded: that is the ceiling. docs/benchmarks.md tells what the figures mean.
 Examples:
   knotreel bench --json now.json
   knotreel bench clip.mp4 other.webm --size 640x360,352x288 --frames 100 --markdown

@@ -64,8 +64,9 @@ std::string counts_text(const Facts& facts) {
     return fmt::format("frames          1, time base {}/{} s\n", base[0].get<std::int64_t>(),
                        base[1].get<std::int64_t>());
   }
-  return fmt::format("frames          {} in {} groups, time base {}/{} s\n", count("frame_count"),
-                     count("groups"), base[0].get<std::int64_t>(), base[1].get<std::int64_t>()) +
+  return fmt::format("frames          {} in {}, time base {}/{} s\n", count("frame_count"),
+                     counted(count("groups"), "group"), base[0].get<std::int64_t>(),
+                     base[1].get<std::int64_t>()) +
          fmt::format("duration        {:.3f} s, {} frames per second\n", facts["seconds"].get<double>(),
                      rate_text(facts["frame_rate"]));
 }
