@@ -151,7 +151,7 @@ void run_export(const CLI::App& command, const ExportArguments& arguments) {
 
 constexpr const char* kExportFooter = R"(
 PDF keeps the smooth shading; poppler and MuPDF were tried. SVG has no such shading: a picture becomes many
-small pieces, and at equal tolerance the file is about a hundred times as large.
+small pieces, and at equal tolerance the file is 20 to 100 times as large.
 Examples:
   knotreel export photo.tcb -o photo.pdf
   knotreel export photo.tcb -o poster.pdf --scale 4 --colour-tolerance 1
