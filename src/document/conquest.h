@@ -11,8 +11,8 @@
 /// closes in on the interior, one face per step, always at a *gate*, the edge of the loop that is next. The
 /// same steps number the knots, so that the numbering depends on the topology alone.
 ///
-/// After Gumhold and Strasser 1998 (cut-border machine) and Rossignac 1999 (edgebreaker), with the border
-/// given and the offset of a split explicit.
+/// After the cut-border machine [Gumhold98] and edgebreaker [Rossignac99], with the border given and the
+/// offset of a split explicit.
 namespace knotreel::document {
 
 using mesh::Face;
