@@ -25,17 +25,20 @@ class BrokenPipe : public Error {
 /// without a reader throws BrokenPipe provided that SIGPIPE is ignored.
 class OutputFile {
  public:
+  /// Opens the `.part` file, or what is written directly.
   explicit OutputFile(const std::filesystem::path& path);
   ~OutputFile();
   OutputFile(const OutputFile&) = delete;
   OutputFile& operator=(const OutputFile&) = delete;
 
+  /// Appends.
   void write(std::span<const std::byte> bytes);
   void write(const std::string& text);
 
   /// Writes at an offset from the start, without moving the place where write() goes on.
   /// Only for seekable() outputs.
   void write_at(std::uint64_t offset, std::span<const std::byte> bytes);
+  /// Whether write_at() works: there is a `.part` file.
   bool seekable() const { return seekable_; }
 
   /// Hands over what is still held back, so that a killed program leaves it in the `.part` file.

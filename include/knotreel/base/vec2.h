@@ -36,6 +36,7 @@ inline double norm(Vec2 a) {
   return std::sqrt(dot(a, a));
 }
 
+/// The same direction with length 1. Not zero.
 inline Vec2 unit(Vec2 a) {
   return (1 / norm(a)) * a;
 }

@@ -50,6 +50,7 @@ class Reader {
   Reader(Reader&&) noexcept;
   Reader& operator=(Reader&&) noexcept;
 
+  /// What all frames have in common; valid as long as the reader.
   const SequenceInfo& info() const;
 
   /// Frames in the file: all if complete(), else those that were whole when it was opened.
@@ -61,8 +62,10 @@ class Reader {
   /// Largest error of a control colour of a keyframe, levels.
   double colour_tolerance() const;
 
+  /// As stored. Colours of a frame may be multiples of several times the step (FrameModel::colour_step).
   Steps steps() const;
 
+  /// Size of the whole file when it was opened, a part that is cut off included.
   std::uint64_t file_bytes() const;
 
   /// Ticks that the last frame is shown; 0 if the document does not tell.

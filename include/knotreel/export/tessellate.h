@@ -44,9 +44,10 @@ class Tessellator {
   explicit Tessellator(const document::FrameModel& model, const TessellationOptions& options = {});
   ~Tessellator();
 
+  /// Faces of the cut mesh.
   std::size_t face_count() const;
 
-  /// The surface over one face of the cut mesh. Equal bits whenever it is called.
+  /// The surface over one face of the cut mesh. Equal bits whenever it is called. @pre face < face_count().
   Patch face(std::size_t face) const;
 
   /// Where half edge `3 * face + i` (from corner i of the face to the next) is divided: ascending, the first

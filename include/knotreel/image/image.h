@@ -25,8 +25,10 @@ struct Image {
   /// Channels without alpha: 1 or 3.
   int colour_channels() const { return has_alpha() ? channels - 1 : channels; }
   std::uint64_t pixel_count() const { return std::uint64_t(width) * std::uint64_t(height); }
+  /// Samples of a row.
   std::size_t row_size() const { return std::size_t(width) * std::size_t(channels); }
 
+  /// Rows and samples that are in the picture; nothing is checked.
   std::span<float> row(int y) { return std::span(samples).subspan(std::size_t(y) * row_size(), row_size()); }
   std::span<const float> row(int y) const {
     return std::span(samples).subspan(std::size_t(y) * row_size(), row_size());

@@ -22,7 +22,8 @@ class RowWriter {
   /// @throws Error{kOutput} if the file cannot be written, Error{kInvalidArgument} if the shape is wrong.
   virtual void write(std::span<const float> rows, int count) = 0;
 
-  /// Completes the file and gives it its name. All rows must have been written.
+  /// Completes the file and gives it its name. @throws Error{kInvalidArgument} unless all rows have been
+  /// written, Error{kOutput}.
   virtual void finish() = 0;
 };
 

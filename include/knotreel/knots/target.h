@@ -31,6 +31,7 @@ struct LinearFit {
   std::array<double, 4> value{};  ///< colour at the centre
   std::array<Vec2, 4> gradient{};
 
+  /// The colour that it has at a point, in one channel.
   double at(Vec2 u, std::size_t channel) const { return value[channel] + dot(gradient[channel], u - centre); }
 };
 
@@ -116,6 +117,8 @@ class Target {
 /// Rows of pixels of a triangle: for row y, columns [begin(y), end(y)).
 class TriangleRows {
  public:
+  /// @param triangle  in any order. @param width, height of the picture, outside of which there are no
+  /// pixels.
   TriangleRows(const std::array<Vec2, 3>& triangle, int width, int height);
 
   int first() const { return first_; }

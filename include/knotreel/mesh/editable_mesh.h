@@ -37,6 +37,9 @@ class EditableMesh {
   /// The mesh without the gaps that removals left; ids are kept, faces are in canonical order.
   KnotMesh to_mesh() const;
 
+  // Indices that are asked for must be below knot_slots() and face_slots(), and but for is_knot() and
+  // is_face() those of knots and faces that are there; nothing is checked.
+
   double width() const { return width_; }
   double height() const { return height_; }
   /// Places for knots, removed ones included.

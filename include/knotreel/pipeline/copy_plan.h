@@ -21,6 +21,8 @@ struct Contents {
   std::int64_t last_duration = 0;   ///< of its last frame, likewise; 0: not known
 };
 
+/// What plan_copy() wants to know of a document; no frame is read.
+/// @param name  of the document, for messages.
 Contents contents_of(const document::Reader& reader, std::string name);
 
 struct CopiedFrame {
@@ -43,7 +45,8 @@ struct CopyPlan {
 /// @param documents  at least one.
 /// @param rate  of documents that do not say how long their frames last, such as those of pictures.
 /// @throws Error{kInvalidArgument} naming the document if one is of another size, degree or number of
-/// channels than the first one, or shown otherwise.
+/// channels than the first one, or shown otherwise; also if their units of time have no common one, or times
+/// become too large.
 CopyPlan plan_copy(const std::vector<Contents>& documents, video::Rational rate);
 
 /// Only these frames, both ends included, beginning at zero unless they begin with the first.

@@ -39,6 +39,7 @@ class Renderer {
   /// @param basis  of the space of the model, for callers who have it.
   /// @param known the colours of the model at the centres of the pixels of its own size, in single precision
   /// as spline::surface_at_pixels() at fit::pixel_places(), for callers who have them; or null.
+  /// @throws Error{kInvalidArgument} as above, and for `known` of another size where it is used.
   Renderer(const document::FrameModel& model, const RenderOptions& options,
            std::shared_ptr<const spline::Basis> basis,
            std::shared_ptr<const spline::PixelSurface> known = nullptr);
@@ -52,7 +53,8 @@ class Renderer {
 
   /// Rows [begin, end) of the part rendered, 0 <= begin <= end <= height(): row-major, channels interleaved,
   /// scale 0..255, not clamped (splines overshoot). Alpha is not premultiplied.
-  /// @param out (end - begin) * width() * channels() samples.
+  /// @param out (end - begin) * width() * channels() samples. @throws Error{kInvalidArgument} for other rows,
+  /// or if `out` has another size.
   void rows(int begin, int end, std::span<float> out) const;
   /// All rows.
   image::Image whole() const;
@@ -62,7 +64,7 @@ class Renderer {
   std::unique_ptr<State> state_;
 };
 
-/// The whole part at once.
+/// The whole part at once, as Renderer::rows(). @throws as Renderer.
 std::vector<float> render(const document::FrameModel& model, const RenderOptions& options = {});
 
 /// The same picture by the recurrence of the paper and damped Newton steps for each pixel on its own, with 16

@@ -23,6 +23,7 @@ class TermIndex {
   };
 
   TermIndex() = default;
+  /// @param width, height of the domain, in pixels. @param knots of the mesh: there are about as many cells.
   TermIndex(const PieceSet& set, double width, double height, std::size_t knots);
 
   /// Terms that may be non-zero at u (which is clamped to the domain), ascending.

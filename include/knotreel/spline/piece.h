@@ -65,6 +65,7 @@ struct PieceSet {
   std::vector<PieceTerm> terms;
 };
 
+/// The closed forms of all configs of a space, of any degree. Time and memory are linear in their number.
 PieceSet make_pieces(const SplineSpace& space);
 
 /// A knot put elsewhere, close enough to keep all configs and their collinear knots as they are.

@@ -12,7 +12,7 @@ namespace knotreel::spline {
 /// Immutable, thread safe.
 class PlacedBasis {
  public:
-  /// @param places of the pixels, as for PixelValues.
+  /// @param places of the pixels, as for PixelValues. @throws likewise.
   PlacedBasis(std::shared_ptr<const Basis> basis, int width, int height, std::vector<Vec2> places)
       : basis_(std::move(basis)), places_(std::move(places)), values_(*basis_, width, height, places_) {}
   PlacedBasis(const PlacedBasis&) = delete;

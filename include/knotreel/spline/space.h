@@ -58,7 +58,8 @@ class SplineSpace {
   /// @throws Error{kInvalidArgument} for an unsound mesh or a degree out of range.
   SplineSpace(mesh::KnotMesh mesh, int degree);
 
-  /// The same with link triangulations chosen by the caller.
+  /// The same with link triangulations chosen by the caller. @throws Error{kInvalidArgument} also if codes of
+  /// the policy do not fit their polygons.
   SplineSpace(mesh::KnotMesh mesh, int degree, const LinkPolicy& policy, LinkOrder order = LinkOrder::kFixed);
 
   /// The same from stored codes, as link_codes() gave them. Uses no floating-point predicate: equal input
@@ -81,6 +82,7 @@ class SplineSpace {
   /// Functions with the same geometric knots share one geometry control point: index of that group. Groups
   /// are numbered in the lexicographic order of their sorted knot indices.
   std::span<const std::uint32_t> geometry_of() const { return geometry_of_; }
+  /// How many groups there are.
   std::size_t geometry_count() const { return geometry_count_; }
 
   /// Greville site of a function: the mean of its knots (paper sec. 3.2), in pixels.
@@ -95,6 +97,7 @@ class SplineSpace {
   /// level 1 by corner, then (degree 3) level 2 by pair of corners; see docs/format.md.
   std::span<const std::uint16_t> link_codes() const { return link_codes_; }
 
+  /// Of the knot of a corner, in pixels.
   Vec2 position(CornerIndex c) const { return mesh_.knots[cut_.corners[c].knot].position; }
 
  private:

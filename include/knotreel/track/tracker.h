@@ -100,6 +100,7 @@ enum class Start : std::uint8_t {
   kWarm,      ///< from the frame before
 };
 
+/// "first", "cut", "interval", "drift" or "warm".
 const char* to_string(Start start);
 
 /// What was done to make the mesh of a warm frame from that of the frame before.

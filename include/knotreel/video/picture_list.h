@@ -11,6 +11,8 @@ namespace knotreel::video {
 struct NumberPattern {
   std::string before, after;
   int digits = 0;  ///< least number of digits
+
+  /// The file name with this number, with zeros in front up to `digits`; without the folder.
   std::string name(std::uint64_t number) const;
 };
 
@@ -29,7 +31,7 @@ bool means_pictures(const std::string& input);
 /// @throws Error{kInput} if there are none.
 std::vector<std::string> list_pictures(const std::string& input);
 
-/// The same for vector documents: folders give those called .tcb.
+/// The same for vector documents: folders give those called .tcb. @throws likewise.
 std::vector<std::string> list_documents(const std::string& input);
 
 /// How many numbers between the first and the last of list_pictures(input) no picture has; 0 if the input is

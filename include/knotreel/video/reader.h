@@ -81,6 +81,8 @@ class VideoReader {
   VideoReader& operator=(VideoReader&&) noexcept;
   ~VideoReader();
 
+  /// Of the frames that next() hands out, known from open() on: of the part that was asked for, after filters
+  /// and deinterlacing. Valid as long as the reader.
   const StreamInfo& info() const;
 
   /// All streams of the file; pictures have none.

@@ -13,6 +13,7 @@ struct Rational {
   std::int64_t num = 0;
   std::int64_t den = 1;
 
+  /// Whether it is above 0.
   bool known() const { return num > 0 && den > 0; }
   double value() const { return double(num) / double(den); }
   friend bool operator==(const Rational&, const Rational&) = default;
@@ -34,6 +35,7 @@ struct ColourTags {
 struct ColourNames {
   std::string range, matrix, primaries, transfer, chroma_location;
 };
+/// Numbers that libav does not know have no name.
 ColourNames names_of(const ColourTags& tags);
 
 /// Whether frames hold the lines of two moments in turns, and which come first; kNone also if it is not told.

@@ -54,9 +54,10 @@ class VideoWriter {
   void write(const image::Image& image, std::int64_t pts, std::int64_t duration);
 
   /// Packets as the reader gave them out; those of streams that are left out are passed over.
+  /// @throws Error{kOutput}; Error{kInvalidArgument} after finish().
   void write_packets(const std::vector<Packet>& packets);
 
-  /// Completes the file and gives it its name. Nothing may be written afterwards.
+  /// Completes the file and gives it its name. Nothing may be written afterwards. @throws Error{kOutput}.
   void finish();
 
   /// What could not be kept, one line each: streams that the container does not take, rotation, times.
