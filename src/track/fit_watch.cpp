@@ -17,6 +17,7 @@ void FitWatch::start_group(double psnr, Start start, bool dear) {
   const bool short_before = start == Start::kDrift && frames_ < (dear ? kShortGroup : kShortCheap);
   short_groups_ = short_before ? short_groups_ + 1 : 0;
   frames_ = 0;
+  repeated_ = 0;
   vain_ = dear ? short_groups_ : short_groups_ / kCheapGroups;
   looked(psnr);
 }
@@ -30,6 +31,7 @@ bool FitWatch::needs_repair(double psnr) const {
 void FitWatch::end_frame(double psnr, bool repaired) {
   last_ = psnr;
   ++frames_;
+  repeated_ = 0;
   repaired_ += kOfLate * ((repaired ? 1 : 0) - repaired_);
 }
 

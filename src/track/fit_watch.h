@@ -31,7 +31,14 @@ class FitWatch {
   void end_frame(double psnr, bool repaired);
 
   /// The frame was that before once more, which tells nothing but that the group lasts.
-  void end_repeated_frame() { ++frames_; }
+  void end_repeated_frame() {
+    ++frames_;
+    ++repeated_;
+  }
+
+  /// Whether the picture has just been the same for so long that it is held, not one of an animation with few
+  /// pictures per second.
+  bool is_held() const { return repeated_ == kHeld; }
 
   /// Counts the frame. Whether to look if a cold frame would be better: the fit has fallen, or it is long
   /// since the last look (the picture may have become easier). Each cold frame in vain makes the next look
@@ -47,6 +54,8 @@ class FitWatch {
   double last() const { return last_; }
 
  private:
+  static constexpr int kHeld = 5;  ///< repeated frames
+
   bool has_drifted(double psnr) const { return psnr < drift_from_ - looks_apart() * options_.drift; }
   int looks_apart() const { return vain_ > 1 ? vain_ : 1; }
 
@@ -57,6 +66,7 @@ class FitWatch {
   int since_look_ = 0;     ///< frames
   int vain_ = 0;           ///< cold frames of this group that were no better, and short groups before it
   int frames_ = 0;         ///< warm ones of this group
+  int repeated_ = 0;       ///< frames in a row
   int short_groups_ = 0;   ///< in a row
 };
 

@@ -61,6 +61,7 @@ namespace {
 constexpr int kFramesToRest = 4;
 constexpr double kRestToUse = 0.1;  // share of a picture; with less, to look for what is the same costs more
 constexpr double kLeftOut = 2;      // times vectorize::Options::block_error: where that is seen at once
+constexpr double kGainOfHeld = 0.5;  // dB of a cold frame over a picture that is held: it is looked at for long
 constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 // Times CarryOptions::min_distance: between outlines, knots are close to them from the first frame on.
@@ -127,8 +128,10 @@ class Tracker::Impl {
       }
       // While the first picture of a group is repeated, there is no target, and a cold frame is what there
       // is.
-      if (!cold && target_ && misses_thresholds() && watch_.is_time_to_look(report.psnr))
-        cold = better_cold_frame(picture);
+      if (!cold && target_ && misses_thresholds()) {
+        const bool is_time_to_look = watch_.is_time_to_look(report.psnr);
+        if (is_time_to_look || watch_.is_held()) cold = better_cold_frame(picture);
+      }
       if (cold) {
         report.start = Start::kDrift;
         report.survival = 0;  // what was done before was in vain
@@ -379,23 +382,26 @@ class Tracker::Impl {
   /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to
   /// look again soon.
   std::shared_ptr<ColdFrame> better_cold_frame(const image::Image& picture) {
+    const double gain = watch_.is_held() ? kGainOfHeld : options_.restart_gain;
     watch_.looked(report_->psnr);
     const std::size_t most = most_if_cold(picture);
     const double expected = outlook_.expected_psnr(*target_, most);
     laps_->lap("difficulty");
-    if (expected < report_->psnr + options_.restart_gain) return nullptr;
+    if (expected < report_->psnr + gain) return nullptr;
     std::shared_ptr<ColdFrame> cold = cold_frame(picture);
     laps_->add(std::exchange(cold->milliseconds, {}));
     const Quality quality = quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture);
-    const bool is_better = quality.psnr > report_->psnr + options_.restart_gain;
-    if (is_better && (!frame_.drawn || is_better_as_drawn(cold->frame, picture))) return cold;
+    const bool is_better = quality.psnr > report_->psnr + gain;
+    if (watch_.is_held() ? is_better_as_drawn(cold->frame, picture, gain)
+                         : is_better && (!frame_.drawn || is_better_as_drawn(cold->frame, picture, gain)))
+      return cold;
     watch_.made_cold_frame_in_vain();
     outlook_.made_in_vain(quality.psnr, *target_, most);
     return nullptr;
   }
 
-  bool is_better_as_drawn(const FittedFrame& cold, const image::Image& picture) const {
-    return psnr_as_drawn(cold, picture) > psnr_as_drawn(frame_, picture) + options_.restart_gain;
+  bool is_better_as_drawn(const FittedFrame& cold, const image::Image& picture, double gain) const {
+    return psnr_as_drawn(cold, picture) > psnr_as_drawn(frame_, picture) + gain;
   }
 
   /// The space over a mesh that comes from the one there is, whose links are given. How many functions knots
