@@ -61,6 +61,7 @@ namespace {
 constexpr int kFramesToRest = 4;
 constexpr double kRestToUse = 0.1;  // share of a picture; with less, to look for what is the same costs more
 constexpr double kLeftOut = 2;      // times vectorize::Options::block_error: where that is seen at once
+constexpr double kFull = 0.95;  // share of the control points
 constexpr double kGainOfHeld = 0.5;  // dB of a cold frame over a picture that is held: it is looked at for long
 constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
@@ -379,6 +380,13 @@ class Tracker::Impl {
     return may_get_dense ? vectorize::most_control_points(*options_.dense_film, picture) : most_functions_;
   }
 
+  /// A drawing that lacks control points, and may have more. What comes of that nobody can tell without.
+  bool may_get_denser() const {
+    if (!frame_.drawn || frame_.dense || !options_.dense) return false;
+    const double most = kFull * static_cast<double>(most_functions_);
+    return frame_.drawn->strong_dropped || static_cast<double>(frame_.space->function_count()) >= most;
+  }
+
   /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to
   /// look again soon.
   std::shared_ptr<ColdFrame> better_cold_frame(const image::Image& picture) {
@@ -387,7 +395,7 @@ class Tracker::Impl {
     const std::size_t most = most_if_cold(picture);
     const double expected = outlook_.expected_psnr(*target_, most);
     laps_->lap("difficulty");
-    if (expected < report_->psnr + gain) return nullptr;
+    if (!may_get_denser() && expected < report_->psnr + gain) return nullptr;
     std::shared_ptr<ColdFrame> cold = cold_frame(picture);
     laps_->add(std::exchange(cold->milliseconds, {}));
     const Quality quality = quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture);
