@@ -23,7 +23,9 @@ namespace {
 // then; dB.
 constexpr double kGainOfDrawing = 0.5;
 constexpr double kGainOfCramped = 3;  // without room for the frames behind: they will often be made anew
+constexpr double kClear = 42;         // film of a drawing that is worse is compared with more of them; dB
 constexpr double kGainOfDense = 2;    // over illegible film
+constexpr double kClear = 42;  // dB; film of a drawing that is worse may be better as one in spite of all
 // Share of the control points that it may use up: features change from frame to frame, and need room for
 // that.
 constexpr double kMostOfBound = 0.95;
@@ -197,10 +199,13 @@ class Ways {
     if (!film_) film_ = made_in(Way::kFilm, options_, picture_, colour_step_);
     const double film = psnr_as_drawn(film_->frame, picture_);
     if (drawing_ && drawing_is_better(film, is_cramped ? kGainOfCramped : kGainOfDrawing)) return;
+    const bool is_known = drawing_ && !is_dense(best_);
     best_ = Way::kFilm;
-    if (film >= kLegible) return;
-    if (options_.dense_film && make_dense_film(film) >= kLegible) return;
-    if (options_.cramped) make_cramped(film);
+    if (film < kLegible) {
+      if (options_.dense_film && make_dense_film(film) >= kLegible) return;
+      if (options_.cramped) make_cramped(film);
+    }
+    if (best_ == Way::kFilm && !is_known && film < kClear) make_with_fewer_features(film);
   }
 
   Way best() const { return best_; }
@@ -249,6 +254,16 @@ class Ways {
       film_ = made_in(Way::kFilm, options_, picture_, colour_step_, look);
     } catch (const CalledOff&) {
     }
+  }
+
+  /// Kept if it is so much better that the frames behind it may be made anew more often.
+  /// @param film PSNR of the film.
+  void make_with_fewer_features(double film) {
+    const Way way = vectorize::wants_fine_grid(picture_, *options_.drawn) ? Way::kDrawn : Way::kPlain;
+    std::shared_ptr<ColdFrame> made = made_in(way, options_, picture_, colour_step_);
+    if (worth(*made, picture_) < worth(*film_, film) + kGainOfCramped) return;
+    drawing_ = std::move(made);
+    best_ = way;
   }
 
   /// Kept if that is legible. @param film PSNR of the film, which is not.

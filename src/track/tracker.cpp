@@ -61,8 +61,9 @@ namespace {
 constexpr int kFramesToRest = 4;
 constexpr double kRestToUse = 0.1;  // share of a picture; with less, to look for what is the same costs more
 constexpr double kLeftOut = 2;      // times vectorize::Options::block_error: where that is seen at once
-constexpr double kFull = 0.95;  // share of the control points
-constexpr double kGainOfHeld = 0.5;  // dB of a cold frame over a picture that is held: it is looked at for long
+constexpr double kFull = 0.95;      // share of the control points
+constexpr double kGainOfHeld =
+    0.5;  // dB of a cold frame over a picture that is held: it is looked at for long
 constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 // Times CarryOptions::min_distance: between outlines, knots are close to them from the first frame on.
@@ -204,7 +205,7 @@ class Tracker::Impl {
     captioned_ = 0;
     count_most_functions(picture);
     measure();
-    watch_.start_group(report_->psnr, report_->start, frame_.dense);
+    watch_.start_group(report_->psnr, report_->start, frame_.dense || is_full());
     coarseness_.start_group(report_->psnr);
     rework_.start_group(frame_);
     bending_.start_group();
@@ -380,12 +381,15 @@ class Tracker::Impl {
     return may_get_dense ? vectorize::most_control_points(*options_.dense_film, picture) : most_functions_;
   }
 
-  /// A drawing that lacks control points, and may have more. What comes of that nobody can tell without.
-  bool may_get_denser() const {
-    if (!frame_.drawn || frame_.dense || !options_.dense) return false;
+  /// A drawing that lacks control points.
+  bool is_full() const {
+    if (!frame_.drawn) return false;
     const double most = kFull * static_cast<double>(most_functions_);
     return frame_.drawn->strong_dropped || static_cast<double>(frame_.space->function_count()) >= most;
   }
+
+  /// Whether it may have more. What comes of that nobody can tell without.
+  bool may_get_denser() const { return is_full() && !frame_.dense && options_.dense; }
 
   /// A cold model if that is worth a new group; else the picture has become harder, which is no reason to
   /// look again soon.
