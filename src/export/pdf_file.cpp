@@ -20,9 +20,9 @@ struct PdfFile::Deflate {
   Deflate& operator=(const Deflate&) = delete;
 };
 
-PdfFile::PdfFile(OutputFile& file) : file_(file), offsets_(1) {
+PdfFile::PdfFile(OutputFile& file, const std::string& version) : file_(file), offsets_(1) {
   // The bytes above 127 tell transfer programs that the file is binary.
-  file_.write("%PDF-1.4\n%\xe2\xe3\xcf\xd3\n");
+  file_.write("%PDF-" + version + "\n%\xe2\xe3\xcf\xd3\n");
 }
 
 PdfFile::~PdfFile() = default;

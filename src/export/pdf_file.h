@@ -13,7 +13,8 @@ namespace knotreel::exporting {
 /// A PDF file of numbered objects, written front to back without seeking.
 class PdfFile {
  public:
-  explicit PdfFile(OutputFile& file);
+  /// @param version  such as "1.4".
+  PdfFile(OutputFile& file, const std::string& version);
   ~PdfFile();
 
   /// A number for an object that is written, once, before finish().

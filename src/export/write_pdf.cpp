@@ -1,3 +1,4 @@
+#include <algorithm>
 #include <cmath>
 
 #include "export/gouraud.h"
@@ -10,6 +11,18 @@ namespace knotreel::exporting {
 
 namespace {
 
+/// Units on a side of a page, which programs need not go beyond.
+constexpr double kMostUnits = 14'400;
+
+/// Points per unit of the page. A power of two, by which numbers stay as short as they are.
+int unit_of(const document::FrameModel& model, const ExportOptions& options) {
+  const auto& mesh = model.space->mesh();
+  const double longest = std::max(mesh.width, mesh.height) * options.scale;
+  int unit = 1;
+  while (longest > kMostUnits * unit) unit *= 2;
+  return unit;
+}
+
 class PdfWriter {
  public:
   PdfWriter(const document::FrameModel& model, const ExportOptions& options, OutputFile& file)
@@ -18,7 +31,8 @@ class PdfWriter {
         tessellator_(model, options.tessellation),
         layers_(make_layers(tessellator_.sheets())),
         box_(image_box(model)),
-        pdf_(file),
+        unit_(unit_of(model, options)),
+        pdf_(file, unit_ > 1 ? "1.6" : "1.4"),
         budget_(options.max_triangles) {}
 
   ExportReport run() {
@@ -37,16 +51,17 @@ class PdfWriter {
     const Turn& turn = options_.turn;
     const double width = turn.swaps_sides() ? mesh.height : mesh.width;
     const double height = turn.swaps_sides() ? mesh.width : mesh.height;
-    const double s = options_.scale;
+    const double s = options_.scale / unit_;
     pdf_.write_object(catalog, "<</Type/Catalog/Pages " + reference(pages) + ">>");
     pdf_.write_object(pages, "<</Type/Pages/Count 1/Kids[" + reference(page) + "]>>");
     pdf_.write_object(page, "<</Type/Page/Parent " + reference(pages) + "/MediaBox[0 0 " +
-                                number_text(width * s, 4) + ' ' + number_text(height * s, 4) + "]/Contents " +
-                                reference(content) + "/Resources<<" + painting.resources +
-                                ">>/Group<</S/Transparency/CS/" + colour_space(colours) + ">>>>");
+                                number_text(width * s, 4) + ' ' + number_text(height * s, 4) + "]" +
+                                user_unit() + "/Contents " + reference(content) + "/Resources<<" +
+                                painting.resources + ">>/Group<</S/Transparency/CS/" + colour_space(colours) +
+                                ">>>>");
     // From here on in pixels of the picture, y down.
     pdf_.begin_stream(content, "");
-    pdf_.add_to_stream(number_text(s, 6) + " 0 0 " + number_text(-s, 6) + " 0 " + number_text(height * s, 4) +
+    pdf_.add_to_stream(number_text(s, 9) + " 0 0 " + number_text(-s, 9) + " 0 " + number_text(height * s, 4) +
                        " cm\n" + turn_operator(turn, turn.origin(width, height)) + painting.content);
     pdf_.end_stream();
     pdf_.write_object(info, "<</Producer(knotreel)>>");
@@ -60,6 +75,8 @@ class PdfWriter {
     std::string content;
     std::string resources;
   };
+
+  std::string user_unit() const { return unit_ > 1 ? "/UserUnit " + std::to_string(unit_) : ""; }
 
   static std::string turn_operator(const Turn& turn, Vec2 origin) {
     if (turn.is_none()) return {};
@@ -180,6 +197,7 @@ class PdfWriter {
   Tessellator tessellator_;
   std::vector<Layer> layers_;
   Box box_;
+  int unit_;
   PdfFile pdf_;
   TriangleBudget budget_;
   std::vector<int> masks_;

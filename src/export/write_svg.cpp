@@ -24,10 +24,11 @@ class SvgWriter {
     const Turn& turn = options_.turn;
     const double width = turn.swaps_sides() ? mesh.height : mesh.width;
     const double height = turn.swaps_sides() ? mesh.width : mesh.height;
+    // Strokes are none in any case, but ImageMagick draws black ones unless that is told.
     file_.write(
         "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" +
         number_text(width * options_.scale, 3) + "\" height=\"" + number_text(height * options_.scale, 3) +
-        "\" viewBox=\"0 0 " + number_text(width, 3) + ' ' + number_text(height, 3) + "\">\n");
+        "\" viewBox=\"0 0 " + number_text(width, 3) + ' ' + number_text(height, 3) + "\" stroke=\"none\">\n");
     if (!turn.is_none()) file_.write(turned_group(turn, turn.origin(width, height)));
     write_outlines();
     if (has_alpha) {

@@ -55,6 +55,24 @@ TEST(Pdf, PageHasTheSizeOfThePictureTimesTheScale) {
   EXPECT_NE(exported(write_pdf, sample(3), options).find("/MediaBox[0 0 250 200]"), std::string::npos);
 }
 
+TEST(Pdf, PagesLargerThanProgramsHaveToTakeAreToldInLargerUnits) {
+  ExportOptions options;
+  options.scale = 144;  // 14400 points
+  const std::string largest = exported(write_pdf, sample(3), options);
+  EXPECT_TRUE(largest.starts_with("%PDF-1.4\n"));
+  EXPECT_EQ(largest.find("/UserUnit"), std::string::npos);
+  options.scale = 400;
+  const std::string larger = exported(write_pdf, sample(3), options);
+  EXPECT_TRUE(larger.starts_with("%PDF-1.6\n"));
+  EXPECT_NE(larger.find("/MediaBox[0 0 10000 8000]/UserUnit 4"), std::string::npos);
+}
+
+TEST(Svg, TellsThatThereAreNoStrokes) {
+  const std::string svg = exported(write_svg, sample(4));
+  const std::size_t root = svg.find("<svg ");
+  EXPECT_LT(svg.find(" stroke=\"none\"", root), svg.find('>', root));
+}
+
 TEST(Pdf, GreyStaysGreyAndAlphaIsASoftMask) {
   EXPECT_EQ(exported(write_pdf, sample(1)).find("DeviceRGB"), std::string::npos);
   EXPECT_NE(exported(write_pdf, sample(2)).find("/A<</Type/ExtGState/SMask"), std::string::npos);

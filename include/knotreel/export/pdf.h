@@ -6,10 +6,10 @@
 
 namespace knotreel::exporting {
 
-/// Writes one frame as a PDF page of the picture's size (PDF 1.4; free-form Gouraud shadings, soft masks
-/// along features and for alpha; docs/export.md). Colours are DeviceGray or DeviceRGB, clamped to 0..255,
-/// 8 bits. Does not commit the file. Memory: proportional to the model, whatever the number of triangles.
-/// Equal bytes for equal input, for any number of threads.
+/// Writes one frame as a PDF page of the picture's size (PDF 1.4, above 14,400 points 1.6; free-form Gouraud
+/// shadings, soft masks along features and for alpha; docs/export.md). Colours are DeviceGray or DeviceRGB,
+/// clamped to 0..255, 8 bits. Does not commit the file. Memory: proportional to the model, whatever the
+/// number of triangles. Equal bytes for equal input, for any number of threads.
 /// @throws Error{kInvalidArgument} for options out of range or more triangles than allowed, Error{kOutput}.
 ExportReport write_pdf(const document::FrameModel& model, const ExportOptions& options, OutputFile& file);
 
