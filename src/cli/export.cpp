@@ -139,6 +139,8 @@ void run_export(const CLI::App& command, const ExportArguments& arguments) {
   const ThreadCap cap(arguments.threads);
   const std::string format = format_of(arguments);
   exporting::ExportOptions options = options_of(arguments, format);
+  exporting::check_options(options);
+  part_of(arguments.part);
   document::Reader reader = open_document(arguments.input);
   options.turn = turn_of(reader);
   if (names) {

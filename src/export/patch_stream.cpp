@@ -52,6 +52,7 @@ void check_options(const ExportOptions& options) {
   if (!(options.scale >= 0.001 && options.scale <= 1000)) {
     throw Error(ErrorKind::kInvalidArgument, "the scale of an export must be 0.001 to 1000");
   }
+  check_tolerances(options.tessellation);
 }
 
 }  // namespace knotreel::exporting

@@ -32,7 +32,4 @@ struct Box {
 };
 Box image_box(const document::FrameModel& model);
 
-/// @throws Error{kInvalidArgument} for a scale out of range.
-void check_options(const ExportOptions& options);
-
 }  // namespace knotreel::exporting

@@ -36,13 +36,17 @@ SurfacePoint mean(const SurfacePoint& a, const SurfacePoint& b) {
 
 }  // namespace
 
-Tessellator::Tessellator(const document::FrameModel& model, const TessellationOptions& options)
-    : options_(options), sheets_(std::make_unique<Sheets>(model)) {
+void check_tolerances(const TessellationOptions& options) {
   const auto in_range = [](double v, double low, double high) { return v >= low && v <= high; };
   if (!in_range(options.colour_tolerance, 0.01, 255) || !in_range(options.geometry_tolerance, 0.001, 100)) {
     throw Error(ErrorKind::kInvalidArgument,
                 "the tolerance of an export must be 0.01 to 255 levels and 0.001 to 100 pixels");
   }
+}
+
+Tessellator::Tessellator(const document::FrameModel& model, const TessellationOptions& options)
+    : options_(options), sheets_(std::make_unique<Sheets>(model)) {
+  check_tolerances(options);
   feature_parameters_.resize(sheets_->half_edge_count());
   parallel_for(sheets_->half_edge_count(), [&](std::size_t i) {
     const auto h = static_cast<std::uint32_t>(i);

@@ -108,7 +108,15 @@ TEST(Export, RefusesScalesOutOfRange) {
     options.scale = scale;
     EXPECT_THROW(exported(write_pdf, sample(1), options), Error);
     EXPECT_THROW(exported(write_svg, sample(1), options), Error);
+    EXPECT_THROW(check_options(options), Error);
   }
+}
+
+TEST(Export, OptionsCanBeCheckedBeforeThereIsAnythingToExport) {
+  ExportOptions options;
+  EXPECT_NO_THROW(check_options(options));
+  options.tessellation.colour_tolerance = 0;
+  EXPECT_THROW(check_options(options), Error);
 }
 
 TEST(Export, StopsWhenTheCheckpointThrows) {

@@ -20,6 +20,9 @@ struct ExportOptions {
   Turn turn{};  ///< how the picture lies on the page
 };
 
+/// @throws Error{kInvalidArgument} for a scale or tolerances out of range; so does what writes.
+void check_options(const ExportOptions& options);
+
 struct ExportReport {
   std::size_t layers = 0;
   std::uint64_t triangles = 0;  ///< all that were written, rims and alpha included

@@ -18,6 +18,9 @@ struct TessellationOptions {
   double geometry_tolerance = 0.1;  ///< largest distance of positions in pixels; 0.001 to 100
 };
 
+/// @throws Error{kInvalidArgument} for tolerances out of range.
+void check_tolerances(const TessellationOptions& options);
+
 /// A point of the surface, seen from one side of the features.
 struct SurfacePoint {
   Vec2 u;                          ///< parameter, in pixels
