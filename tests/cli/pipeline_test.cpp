@@ -138,6 +138,32 @@ TEST(CliRender, ABackgroundReplacesTheAlpha) {
   EXPECT_NEAR(image.at(20, 20, 2), 127, 2);
 }
 
+TEST(CliRender, ABackgroundOfAColourStaysOneBehindGrey) {
+  const test::TempDir dir;
+  image::Image clear = image::make_image(40, 40, 2);
+  for (std::size_t i = 0; i < clear.samples.size(); i += 2) {
+    clear.samples[i] = 200;
+    clear.samples[i + 1] = 127.5F;
+  }
+  const std::string document = (dir / "d.tcb").string();
+  image::write_image(dir / "clear.png", clear);
+  expect_success(test::knotreel({"vectorize", (dir / "clear.png").string(), "-o", document}));
+  const auto channels_and_corner = [&](const std::string& name, const std::string& colour) {
+    const std::string output = (dir / name).string();
+    const auto result = test::knotreel({"render", document, "-o", output, "--background", colour, "-q"});
+    expect_success(result);
+    const std::string drawn = name == "n_%d.png" ? (dir / "n_1.png").string() : output;
+    const image::Image image = image::read_image(drawn);
+    return std::pair(image.channels, image.row(20).subspan(0, std::size_t(image.channels)).back());
+  };
+  for (const std::string name : {"o.png", "n_%d.png"}) {
+    const auto [channels, last] = channels_and_corner(name, "#ff0000");
+    EXPECT_EQ(channels, 3) << name;
+    EXPECT_NEAR(last, 100, 2) << name;
+    EXPECT_EQ(channels_and_corner(name, "white").first, 1) << name;
+  }
+}
+
 TEST(CliCompare, JsonHoldsTheFiguresOfTheLibrary) {
   const test::TempDir dir;
   const image::Image a = test::random_8bit_picture(30, 20, 3, 1);

@@ -11,11 +11,11 @@ namespace knotreel::image {
 /// Opaque colour to put a picture with alpha on, 0..255; none keeps the alpha.
 using Background = std::optional<std::array<float, 3>>;
 
-/// Channels of a picture after it was put on the background.
+/// Channels of a picture after it was put on the background: no alpha, and three if that brings colours.
 int channels_on(const Background& background, int channels);
 
-/// Puts samples with alpha (2 or 4 channels) on a colour, in place; the result is tightly packed, without
-/// alpha. Others are left as they are.
+/// Puts samples with alpha (2 or 4 channels) on a colour; the result is tightly packed, with
+/// channels_on() channels. Others are left as they are.
 void put_on_background(std::vector<float>& samples, int channels, const Background& background);
 
 /// The same for a whole picture.
