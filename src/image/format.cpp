@@ -26,6 +26,16 @@ std::optional<ImageFormat> detect_format(std::span<const std::byte> start) {
   return std::nullopt;
 }
 
+namespace {
+
+std::string lower_case(std::string text) {
+  std::transform(text.begin(), text.end(), text.begin(),
+                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  return text;
+}
+
+}  // namespace
+
 std::optional<ImageFormat> format_of_extension(const std::string& extension) {
   static constexpr std::array<std::pair<std::string_view, ImageFormat>, 13> kExtensions{{
       {"png", ImageFormat::kPng},
@@ -42,13 +52,20 @@ std::optional<ImageFormat> format_of_extension(const std::string& extension) {
       {"pam", ImageFormat::kPam},
       {"pfm", ImageFormat::kPfm},
   }};
-  std::string lower = extension;
-  std::transform(lower.begin(), lower.end(), lower.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
+  const std::string lower = lower_case(extension);
   for (const auto& [name, format] : kExtensions) {
     if (name == lower) return format;
   }
   return std::nullopt;
+}
+
+int channels_of_extension(const std::string& extension) {
+  const std::string lower = lower_case(extension);
+  return lower == "pgm" ? 1 : lower == "ppm" ? 3 : 0;
+}
+
+SampleType default_samples(ImageFormat format) {
+  return format == ImageFormat::kPfm ? SampleType::f32 : SampleType::u8;
 }
 
 const char* format_name(ImageFormat format) {

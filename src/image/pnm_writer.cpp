@@ -24,6 +24,7 @@ class RawWriter final : public CheckedRowWriter {
  public:
   RawWriter(std::unique_ptr<OutputFile> opened, const ImageFileSpec& spec)
       : CheckedRowWriter(std::move(opened), spec) {
+    widened_ = spec.channels == 1 && spec.file_channels == 3;
     const std::string width = std::to_string(spec.width);
     const std::string height = std::to_string(spec.height);
     const std::string maxval = spec.samples == SampleType::u16 ? "65535" : "255";
@@ -31,19 +32,27 @@ class RawWriter final : public CheckedRowWriter {
       file().write("P7\nWIDTH " + width + "\nHEIGHT " + height + "\nDEPTH " + std::to_string(spec.channels) +
                    "\nMAXVAL " + maxval + "\nTUPLTYPE " + tuple_type(spec.channels) + "\nENDHDR\n");
     } else {
-      file().write(std::string(spec.channels == 1 ? "P5" : "P6") + "\n" + width + " " + height + "\n" +
-                   maxval + "\n");
+      file().write(std::string(spec.channels == 1 && !widened_ ? "P5" : "P6") + "\n" + width + " " + height +
+                   "\n" + maxval + "\n");
     }
   }
 
  private:
   void write_row(std::span<const float> row) override {
     encoded_.clear();
-    append_samples(row, spec().samples, encoded_);
+    append_samples(widened_ ? as_colours(row) : row, spec().samples, encoded_);
     file().write(encoded_);
   }
   void complete() override {}
 
+  std::span<const float> as_colours(std::span<const float> greys) {
+    colours_.clear();
+    for (const float grey : greys) colours_.insert(colours_.end(), 3, grey);
+    return colours_;
+  }
+
+  bool widened_ = false;  ///< grey, in a file of colours
+  std::vector<float> colours_;
   std::vector<std::byte> encoded_;
 };
 

@@ -1,6 +1,7 @@
 #include "knotreel/image/write_image.h"
 
 #include <algorithm>
+#include <limits>
 #include <string>
 
 #include "base/multiversion.h"
@@ -8,6 +9,9 @@
 
 namespace knotreel::image {
 namespace {
+
+constexpr int kMaxJpegSide = 65500;
+constexpr int kMaxWebpSide = 16383;
 
 /// What each format can hold (the table in ImageFileSpec).
 struct Abilities {
@@ -48,9 +52,29 @@ ImageFormat choose_format(const std::filesystem::path& path, const ImageFileSpec
                   "pfm, tiff, jpg, webp, bmp)");
 }
 
+/// What is left open, by the path.
+ImageFileSpec complete(const std::filesystem::path& path, ImageFileSpec spec) {
+  const std::string extension = path.extension().string();
+  if (!spec.format && !extension.empty()) spec.file_channels = channels_of_extension(extension.substr(1));
+  spec.format = choose_format(path, spec);
+  return spec;
+}
+
+[[noreturn]] void refuse(const std::string& why) {
+  throw Error(ErrorKind::kInvalidArgument, why);
+}
+
+void check_sides(const ImageFileSpec& spec) {
+  const int most = spec.format == ImageFormat::kJpeg   ? kMaxJpegSide
+                   : spec.format == ImageFormat::kWebp ? kMaxWebpSide
+                                                       : std::numeric_limits<int>::max();
+  if (std::max(spec.width, spec.height) <= most) return;
+  refuse(std::string("a ") + format_name(*spec.format) + " file has at most " + std::to_string(most) +
+         " pixels on a side; use png");
+}
+
 void check_spec(const ImageFileSpec& spec) {
   const std::string name = format_name(*spec.format);
-  const auto refuse = [](const std::string& why) { throw Error(ErrorKind::kInvalidArgument, why); };
   if (spec.width < 1 || spec.height < 1) refuse("a picture needs at least one pixel");
   const Abilities can = abilities(*spec.format);
   const bool depth = spec.samples == SampleType::u8    ? can.u8
@@ -70,6 +94,10 @@ void check_spec(const ImageFileSpec& spec) {
     refuse(name + (spec.channels == 2 ? " does not hold grey with alpha; use png, pam or tiff"
                                       : " does not hold alpha; use png, pam, tiff or webp, or a background"));
   }
+  if (spec.file_channels == 1 && spec.channels == 3) {
+    refuse("a pgm file is grey, and the picture has colours; use ppm or pnm");
+  }
+  check_sides(spec);
   if (can.whole_in_memory && std::uint64_t(spec.width) * std::uint64_t(spec.height) > kMaxPixels) {
     refuse("a " + name + " file of more than " + std::to_string(kMaxPixels) +
            " pixels is not supported; use png");
@@ -137,9 +165,12 @@ void CheckedRowWriter::finish() {
   file_->commit();
 }
 
+void check_image_spec(const std::filesystem::path& path, const ImageFileSpec& spec) {
+  check_spec(complete(path, spec));
+}
+
 std::unique_ptr<RowWriter> open_image_writer(const std::filesystem::path& path, const ImageFileSpec& wanted) {
-  ImageFileSpec spec = wanted;
-  spec.format = choose_format(path, wanted);
+  const ImageFileSpec spec = complete(path, wanted);
   check_spec(spec);
   auto file = std::make_unique<OutputFile>(path);
   switch (*spec.format) {
@@ -163,7 +194,7 @@ std::unique_ptr<RowWriter> open_image_writer(const std::filesystem::path& path, 
 
 void write_image(const std::filesystem::path& path, const Image& image, SampleType samples) {
   const auto writer =
-      open_image_writer(path, {image.width, image.height, image.channels, samples, std::nullopt});
+      open_image_writer(path, {image.width, image.height, image.channels, samples, std::nullopt, 0});
   writer->write(image.samples, image.height);
   writer->finish();
 }

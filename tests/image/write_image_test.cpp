@@ -189,7 +189,48 @@ TEST(WriteImage, WhatAFormatCannotHoldIsRefused) {
   EXPECT_EQ(open("a.ppm", 4, SampleType::u8), ErrorKind::kInvalidArgument);
   EXPECT_EQ(open("a.webp", 2, SampleType::u8), ErrorKind::kInvalidArgument);
   EXPECT_EQ(open("a.pfm", 3, SampleType::u8), ErrorKind::kInvalidArgument);
+  EXPECT_EQ(open("a.pgm", 3, SampleType::u8), ErrorKind::kInvalidArgument);
   EXPECT_EQ(dir.entries(), 0u);
+}
+
+TEST(WriteImage, SidesThatAFormatCannotTellAreRefusedAtOnce) {
+  const TempDir dir;
+  const auto check = [&](const std::string& name, int width, int height) {
+    check_image_spec(dir / name, {width, height, 1, SampleType::u8, std::nullopt});
+  };
+  EXPECT_NO_THROW(check("a.jpg", 65500, 1));
+  EXPECT_NO_THROW(check("a.webp", 1, 16383));
+  EXPECT_NO_THROW(check("a.png", 65501, 1));
+  EXPECT_EQ(kind_of([&] { check("a.jpg", 65501, 1); }), ErrorKind::kInvalidArgument);
+  EXPECT_EQ(kind_of([&] { check("a.webp", 1, 16384); }), ErrorKind::kInvalidArgument);
+  EXPECT_EQ(kind_of([&] {
+              open_image_writer(dir / "a.jpg", {65501, 1, 1, SampleType::u8, std::nullopt});
+            }),
+            ErrorKind::kInvalidArgument);
+  EXPECT_EQ(dir.entries(), 0u);
+}
+
+TEST(WriteImage, LargestSidesCanBeWritten) {
+  const TempDir dir;
+  write_image(dir / "a.jpg", make_image(65500, 1, 1));
+  write_image(dir / "a.webp", make_image(1, 16383, 3));
+  EXPECT_EQ(read_image(dir / "a.jpg").width, 65500);
+  EXPECT_EQ(read_image(dir / "a.webp").height, 16383);
+}
+
+TEST(WriteImage, NamesOfPnmSayHowManyChannelsThereAre) {
+  const TempDir dir;
+  const Image grey = test::random_8bit_picture(7, 5, 1, 3);
+  for (const SampleType samples : {SampleType::u8, SampleType::u16}) {
+    write_image(dir / "a.ppm", grey, samples);
+    EXPECT_TRUE(test::read_text(dir / "a.ppm").starts_with("P6"));
+    const Image back = read_image(dir / "a.ppm");
+    for (int c = 0; c < 3; ++c) EXPECT_EQ(back.at(4, 3, c), grey.at(4, 3, 0));
+  }
+  write_image(dir / "a.pnm", grey);
+  EXPECT_TRUE(test::read_text(dir / "a.pnm").starts_with("P5"));
+  write_image(dir / "a.pnm", test::random_8bit_picture(7, 5, 3, 3));
+  EXPECT_TRUE(test::read_text(dir / "a.pnm").starts_with("P6"));
 }
 
 TEST(WriteImage, AFullDiskIsAnOutputError) {

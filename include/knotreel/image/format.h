@@ -20,6 +20,12 @@ std::optional<ImageFormat> detect_format(std::span<const std::byte> start);
 /// The format of a file name extension without the dot, such as "png", "JPG" or "ppm"; none if unknown.
 std::optional<ImageFormat> format_of_extension(const std::string& extension);
 
+/// Channels that files of this extension have: 1 of "pgm", 3 of "ppm", 0 of all others, which are free.
+int channels_of_extension(const std::string& extension);
+
+/// How samples are stored if nothing is said: floats in PFM, 8 bits elsewhere.
+SampleType default_samples(ImageFormat format);
+
 /// Short name, such as "PNG".
 const char* format_name(ImageFormat format);
 
