@@ -15,6 +15,11 @@ std::string lower_extension(const std::filesystem::path& path) {
   return extension;
 }
 
+bool has_export_name(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".svg" || extension == ".pdf";
+}
+
 }  // namespace
 
 bool has_picture_name(const std::filesystem::path& path) {
@@ -31,13 +36,20 @@ bool has_clip_name(const std::filesystem::path& path) {
 }
 
 void check_document_name(const std::string& name) {
-  const std::string extension = lower_extension(name);
-  const bool drawing = extension == ".svg" || extension == ".pdf";
+  const bool drawing = has_export_name(name);
   if (!drawing && !has_picture_name(name) && !has_clip_name(name)) return;
   const char* command = drawing ? "export" : "render";
   throw Error(ErrorKind::kInvalidArgument, "'" + name +
                                                "' is no name for a vector document, such as x.tcb; '" +
                                                command + " x.tcb -o " + name + "' makes the other from one");
+}
+
+void check_rendering_name(const std::string& name) {
+  const bool document = lower_extension(name) == ".tcb";
+  if (!document && !has_export_name(name)) return;
+  const char* command = document ? "copy" : "export";
+  throw Error(ErrorKind::kInvalidArgument, "'" + name + "' is no name for a picture or a video; 'knotreel " +
+                                               command + " FILE -o " + name + "' writes such a file");
 }
 
 }  // namespace knotreel::cli

@@ -29,9 +29,17 @@ Size with_sides(Size size, const Turn& turn) {
 
 }  // namespace
 
+void check_output_size(double scale, const std::string& size) {
+  if (!size.empty()) {
+    given_size(size);
+  } else if (!std::isfinite(scale) || scale <= 0) {
+    refuse_size("--scale takes a number above 0");
+  }
+}
+
 Size output_size(double scale, const std::string& size, int width, int height, const Turn& turn) {
+  check_output_size(scale, size);
   if (!size.empty()) return with_sides(given_size(size), turn);
-  if (!std::isfinite(scale) || scale <= 0) refuse_size("--scale takes a number above 0");
   const double scaled_width = std::max(1.0, std::round(width * scale));
   const double scaled_height = std::max(1.0, std::round(height * scale));
   if (scaled_width > kMaxSide || scaled_height > kMaxSide) {

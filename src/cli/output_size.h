@@ -13,6 +13,9 @@ namespace knotreel::cli {
 /// @throws Error{kInvalidArgument} for more than a million pixels on a side.
 Size output_size(double scale, const std::string& size, int width, int height, const Turn& turn = {});
 
+/// The same without knowing what is drawn: whether --scale and --size can be at all.
+void check_output_size(double scale, const std::string& size);
+
 /// What --crop asks for, in the picture as shown; the result is a part of that as drawn.
 /// @throws Error{kInvalidArgument} unless it is inside the whole picture.
 /// @param whole as drawn.

@@ -1,13 +1,16 @@
+#include <filesystem>
 #include <memory>
 
 #include "cli/command.h"
 #include "cli/distinct_paths.h"
+#include "cli/file_names.h"
 #include "cli/output_size.h"
 #include "cli/parse.h"
 #include "cli/pictures.h"
 #include "cli/render_video.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
+#include "knotreel/image/format.h"
 
 namespace knotreel::cli {
 namespace {
@@ -53,28 +56,34 @@ void write_turned(const raster::Renderer& renderer, const Turn& turn, const imag
   writer.write(whole.samples, whole.height);
 }
 
-void render_picture(const RenderArguments& arguments, bool frame_is_told) {
-  check_paths({arguments.input}, {{arguments.output}});
-  const ThreadCap cap(arguments.threads);
-  const image::Background background = parse_background(arguments.background);
-  image::ImageFileSpec spec;
-  spec.samples = arguments.depth == "8"    ? image::SampleType::u8
-                 : arguments.depth == "16" ? image::SampleType::u16
-                                           : image::SampleType::f32;
-  if (!arguments.format.empty()) {
-    spec.format = image::format_of_extension(arguments.format);
-    if (!spec.format) refuse("--format does not know '" + arguments.format + "' for one picture");
-  }
+image::ImageFormat format_of_picture(const RenderArguments& arguments) {
+  if (!arguments.format.empty()) return *image::format_of_extension(arguments.format);
+  const std::string extension = std::filesystem::path(arguments.output).extension().string();
+  const auto named = image::format_of_extension(extension.empty() ? extension : extension.substr(1));
+  return named.value_or(image::ImageFormat::kPng);
+}
 
-  document::Reader reader = open_document(arguments.input);
-  warn_of_other_frames(arguments.input, reader, frame_is_told);
+/// Of the picture, but for its size and channels.
+image::ImageFileSpec picture_spec(const RenderArguments& arguments) {
+  image::ImageFileSpec spec;
+  spec.samples = samples_of(arguments).value_or(image::default_samples(format_of_picture(arguments)));
+  if (arguments.format.empty()) return spec;
+  spec.format = image::format_of_extension(arguments.format);
+  spec.file_channels = image::channels_of_extension(arguments.format);
+  return spec;
+}
+
+void render_picture(const RenderArguments& arguments, document::Reader& reader, bool frame_is_told) {
+  const image::Background background = parse_background(arguments.background);
   const Turn turn = turn_of(reader);
   const raster::RenderOptions options = render_options(arguments, reader.info(), turn);
   const raster::Renderer renderer(read_frame(reader, arguments.frame), options);
+  image::ImageFileSpec spec = picture_spec(arguments);
   spec.width = turn.swaps_sides() ? renderer.height() : renderer.width();
   spec.height = turn.swaps_sides() ? renderer.width() : renderer.height();
   spec.channels = image::channels_on(background, renderer.channels());
   const auto writer = image::open_image_writer(arguments.output, spec);
+  warn_of_other_frames(arguments.input, reader, frame_is_told);
   if (turn.is_none()) {
     stream_rendering(renderer, background, *writer);
   } else {
@@ -94,26 +103,57 @@ void check_kind(const CLI::App& command, bool video) {
   }
 }
 
+/// Everything that can be told before the document is read.
+void check_arguments(const CLI::App& command, const RenderArguments& arguments, bool video) {
+  check_kind(command, video);
+  if (arguments.format.empty()) check_rendering_name(arguments.output);
+  check_output_size(arguments.scale, arguments.size);
+  if (!arguments.crop.empty()) parse_rect("--crop", arguments.crop);
+  parse_background(arguments.background);
+  if (video) {
+    check_video(arguments);
+  } else if (!arguments.format.empty() && !image::format_of_extension(arguments.format)) {
+    refuse("--format does not know '" + arguments.format + "' for one picture");
+  }
+  check_paths({arguments.input, arguments.copied}, outputs_of(arguments));
+}
+
+/// Names end as those of single pictures do, so that --format has to say it; and it may be one all the same.
+bool may_be_animated(const RenderArguments& arguments) {
+  return image::format_of_extension(arguments.format) == image::ImageFormat::kWebp;
+}
+
 void render(const CLI::App& command, RenderArguments& arguments) {
-  warn_if_not_written(arguments.output, arguments.format);
+  const std::string named = arguments.output;
   if (arguments.format == "null") arguments.output = "null";
   if (arguments.output.empty()) {
     if (arguments.format != "hash") refuse("--output is required (see knotreel render --help)");
     arguments.output = "-";  // for the digest
   }
-  const bool is_video = is_video_output(arguments.output, arguments.format);
-  check_kind(command, is_video);
-  if (!is_video) {
-    render_picture(arguments, command.count("--frame") > 0);
-    return;
+  const bool frame_is_told = command.count("--frame") > 0;
+  const bool animation = may_be_animated(arguments) && !frame_is_told;
+  bool video = is_video_output(arguments.output, arguments.format) ||
+               (animation && !options_given(command, kVideoGroup).empty());
+  check_arguments(command, arguments, video);
+  warn_if_not_written(named, arguments.format);
+  const ThreadCap cap(arguments.threads);
+  document::Reader reader = open_document(arguments.input);
+  if (animation && !video && reader.frame_count() > 1) {
+    check_video(arguments);
+    video = true;
   }
-  render_video(arguments);
+  if (video) {
+    render_video(arguments, reader);
+  } else {
+    render_picture(arguments, reader, frame_is_told);
+  }
 }
 
 constexpr const char* kRenderFooter = R"(
 Memory does not grow with the size of the output, except for TIFF, JPEG, WebP and BMP, and for frames of
 videos that players show turned. --size and --crop are of what is shown.
-If the output is a video (clip.mp4) or a pattern (frame_%04d.png), all frames are drawn, at their times.
+If the output is a video (clip.mp4, or clip.webp with --format webp) or a pattern (frame_%04d.png), all
+frames are drawn, at their times.
 Examples:
   knotreel render photo.tcb -o photo.png
   knotreel render photo.tcb -o print.png --scale 16 --depth 16
@@ -147,11 +187,12 @@ void add_render_command(CLI::App& program) {
       ->type_name("X,Y,W,H");
   add_frame_option(*command, arguments->frame, "Frame of a sequence, counted from 0");
   command
-      ->add_option("--depth", arguments->depth,
-                   "Bits per sample: 8 (all but pfm), 16 (png, ppm, pam, tiff) or\nfloat (pfm, tiff)")
+      ->add_option(
+          "--depth", arguments->depth,
+          "Bits per sample: 8 (all but pfm), 16 (png, ppm, pam, tiff) or\nfloat (pfm, tiff). Without: 8, or "
+          "float in pfm; of videos and\nnumbered pictures as many as the source had, if they can be")
       ->check(CLI::IsMember({"8", "16", "float"}).description(""))
-      ->type_name("N")
-      ->capture_default_str();
+      ->type_name("N");
   add_background_option(*command, arguments->background);
   command
       ->add_option(

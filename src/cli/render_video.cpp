@@ -16,7 +16,6 @@
 #include "cli/video_report.h"
 #include "cli/video_run.h"
 #include "knotreel/base/error.h"
-#include "knotreel/base/parallel.h"
 #include "knotreel/image/format.h"
 #include "knotreel/pipeline/render_job.h"
 #include "knotreel/pipeline/sequence.h"
@@ -44,7 +43,8 @@ pipeline::RenderJob make_job(const RenderArguments& arguments, document::Reader&
     job.video.crop = {crop.x, crop.y, crop.width, crop.height};
   }
   job.video.background = parse_background(arguments.background);
-  job.video.depth = arguments.depth == "8" ? 0 : 16;  // 0: as the document says
+  job.video.options.samples = samples_of(arguments);
+  if (!arguments.depth.empty()) job.video.depth = arguments.depth == "8" ? 8 : 16;
   job.video.antialias = !arguments.aliased;
   job.stop = [] { return interrupted(); };
   return job;
@@ -77,13 +77,6 @@ nlohmann::ordered_json head_json(const RenderArguments& arguments, const pipelin
           {"threads", arguments.threads}};
 }
 
-std::vector<Output> outputs_of(const RenderArguments& arguments) {
-  const bool digest = arguments.format == "hash";
-  return {digest ? Output{arguments.output} : video_output(arguments.output, arguments.format),
-          {arguments.stats},
-          {arguments.progress}};
-}
-
 void tell(const RenderArguments& arguments, const pipeline::Summary& summary) {
   warn_all(summary.warnings);
   if (arguments.format == "hash") {
@@ -94,6 +87,19 @@ void tell(const RenderArguments& arguments, const pipeline::Summary& summary) {
 }
 
 }  // namespace
+
+std::optional<image::SampleType> samples_of(const RenderArguments& arguments) {
+  if (arguments.depth.empty()) return {};
+  if (arguments.depth == "float") return image::SampleType::f32;
+  return arguments.depth == "8" ? image::SampleType::u8 : image::SampleType::u16;
+}
+
+std::vector<Output> outputs_of(const RenderArguments& arguments) {
+  const bool digest = arguments.format == "hash";
+  return {digest ? Output{arguments.output} : video_output(arguments.output, arguments.format),
+          {arguments.stats},
+          {arguments.progress}};
+}
 
 void add_render_video_options(CLI::App& command, RenderArguments& options) {
   command.option_defaults()->group(kVideoGroup);
@@ -120,13 +126,17 @@ void add_render_video_options(CLI::App& command, RenderArguments& options) {
 
 namespace {
 
+bool is_for_pictures(const RenderArguments& arguments) {
+  return arguments.format.empty() && video::number_pattern(arguments.output);
+}
+
 void check_copied(const RenderArguments& arguments) {
   if (arguments.copied.empty()) return;
   if (arguments.copied == "-" && arguments.input == "-") {
     throw Error(ErrorKind::kInvalidArgument, "the document and --copy-streams cannot both be standard input");
   }
   const std::string& format = arguments.format;
-  if (format == "null" || format == "hash" || (format.empty() && video::number_pattern(arguments.output))) {
+  if (format == "null" || format == "hash" || is_for_pictures(arguments)) {
     throw Error(ErrorKind::kInvalidArgument,
                 "--copy-streams is for video files: pictures, null and hash hold no sound");
   }
@@ -141,13 +151,18 @@ bool is_video_output(const std::string& output, const std::string& format) {
   return std::filesystem::path(output).has_extension() && !has_picture_name(output);
 }
 
-void render_video(const RenderArguments& arguments) {
+void check_video(const RenderArguments& arguments) {
   check_copied(arguments);
-  check_paths({arguments.input, arguments.copied}, outputs_of(arguments));
-  const ThreadCap cap(arguments.threads);
-  document::Reader reader = open_document(arguments.input);
-  warn_if_cut_short(arguments.input, reader);
+  part_of(arguments.part);
+  if (!arguments.fps.empty()) parse_rate("--fps", arguments.fps);
+  if (arguments.depth == "float" && !is_for_pictures(arguments)) {
+    throw Error(ErrorKind::kInvalidArgument, "--depth float is for pictures (pfm, tiff), not for videos");
+  }
+}
+
+void render_video(const RenderArguments& arguments, document::Reader& reader) {
   pipeline::RenderJob job = make_job(arguments, reader);
+  warn_if_cut_short(arguments.input, reader);
   std::optional<video::VideoReader> copied = open_copied(arguments);
   if (copied) job.copied = &*copied;
   const video::Rational ticks = pipeline::stream_info(reader.info()).time_base;

@@ -75,24 +75,28 @@ class HashSink : public Sink {
   std::string digest_;
 };
 
-image::SampleType sample_type(const std::string& extension, const StreamInfo& frames) {
+image::SampleType sample_type(const std::string& extension, const StreamInfo& frames,
+                              const WriteOptions& options) {
   const auto format = image::format_of_extension(extension);
   if (!format) {
     throw Error(ErrorKind::kInvalidArgument, "pictures cannot be written as '" + extension +
                                                  "'; there are png, jpg, tif, webp, bmp, ppm, pam, pfm");
   }
+  if (options.samples) return *options.samples;
   const bool deep = *format == image::ImageFormat::kPng || *format == image::ImageFormat::kTiff ||
                     *format == image::ImageFormat::kPnm || *format == image::ImageFormat::kPam;
-  if (*format == image::ImageFormat::kPfm) return image::SampleType::f32;
-  return deep && frames.depth > 8 ? image::SampleType::u16 : image::SampleType::u8;
+  return deep && frames.depth > 8 ? image::SampleType::u16 : image::default_samples(*format);
 }
 
 /// One file per frame, or, for a plain name, one file.
 class PictureSink : public Sink {
  public:
-  PictureSink(const std::string& output, const StreamInfo& frames) : output_(output) {
+  PictureSink(const std::string& output, const StreamInfo& frames, const WriteOptions& options)
+      : output_(output) {
     const std::string extension = output_.extension().string();
-    samples_ = sample_type(extension.empty() ? extension : extension.substr(1), frames);
+    samples_ = sample_type(extension.empty() ? extension : extension.substr(1), frames, options);
+    image::check_image_spec(output_,
+                            {frames.width, frames.height, frames.channels, samples_, std::nullopt, 0});
   }
 
   void write(const image::Image& image, std::int64_t, std::int64_t) override {
@@ -133,8 +137,9 @@ std::unique_ptr<Sink> make_hash_sink(const StreamInfo& frames) {
   return std::make_unique<HashSink>(frames);
 }
 
-std::unique_ptr<Sink> make_picture_sink(const std::string& output, const StreamInfo& frames) {
-  return std::make_unique<PictureSink>(output, frames);
+std::unique_ptr<Sink> make_picture_sink(const std::string& output, const StreamInfo& frames,
+                                        const WriteOptions& options) {
+  return std::make_unique<PictureSink>(output, frames, options);
 }
 
 }  // namespace knotreel::video

@@ -30,7 +30,8 @@ class Sink {
 std::unique_ptr<Sink> make_null_sink();
 std::unique_ptr<Sink> make_hash_sink(const StreamInfo& frames);
 /// @param output  a name with %d in it, or the name of a single picture.
-std::unique_ptr<Sink> make_picture_sink(const std::string& output, const StreamInfo& frames);
+std::unique_ptr<Sink> make_picture_sink(const std::string& output, const StreamInfo& frames,
+                                        const WriteOptions& options);
 /// Whether a file of make_file_sink() tells players how to turn its pictures.
 bool keeps_rotation(const std::string& output, const WriteOptions& options);
 std::unique_ptr<Sink> make_file_sink(const std::string& output, const StreamInfo& frames,

@@ -42,7 +42,7 @@ std::unique_ptr<Sink> make_sink(const std::string& output, const StreamInfo& fra
                                 const WriteOptions& options, const VideoReader* copied) {
   if (options.container == "null") return make_null_sink();
   if (options.container == "hash") return make_hash_sink(frames);
-  if (is_for_pictures(output, options)) return make_picture_sink(output, frames);
+  if (is_for_pictures(output, options)) return make_picture_sink(output, frames, options);
   return make_file_sink(output, frames, options, copied);
 }
 

@@ -186,6 +186,32 @@ TEST(Cli, WrongValuesForARealFileAreExit2) {
   EXPECT_EQ(sample.dir.entries(), 2u) << "no output may be left";
 }
 
+TEST(Cli, NamesOfOtherFilesThanPicturesTellWhoWritesThem) {
+  const auto message = [](const std::string& output) {
+    const auto result = test::knotreel({"render", "x.tcb", "-o", output});
+    expect_failure(result, 2);
+    return result.err;
+  };
+  EXPECT_NE(message("a.svg").find("'knotreel export FILE -o a.svg'"), std::string::npos);
+  EXPECT_NE(message("a.PDF").find("'knotreel export FILE -o a.PDF'"), std::string::npos);
+  EXPECT_NE(message("a.tcb").find("'knotreel copy FILE -o a.tcb'"), std::string::npos);
+}
+
+/// What is wrong whatever the document says is told before it is looked for.
+TEST(Cli, OptionsAreCheckedBeforeDocumentsAreRead) {
+  const std::vector<std::vector<std::string>> cases{
+      {"render", "-o", "x.png", "--size", "640x"},   {"render", "-o", "x.png", "--scale", "0"},
+      {"render", "-o", "x.png", "--crop", "1,2"},    {"render", "-o", "x.mkv", "--fps", "0"},
+      {"render", "-o", "x.mkv", "--frames", "4-1"},  {"render", "-o", "x.mkv", "--depth", "float"},
+      {"export", "-o", "x.pdf", "--scale", "0"},     {"export", "-o", "x.svg", "--colour-tolerance", "0"},
+      {"export", "-o", "x%d.svg", "--frames", "4-1"}};
+  for (std::vector<std::string> arguments : cases) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    arguments.insert(arguments.begin() + 1, "/nonexistent/x.tcb");
+    expect_failure(test::knotreel(arguments), 2);
+  }
+}
+
 TEST(Cli, NamesWithLineBreaksStillGiveOneLine) {
   expect_failure(test::knotreel({"info", "a\nb\x1b[31m.png"}), 3);
 }

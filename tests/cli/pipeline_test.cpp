@@ -88,6 +88,39 @@ TEST(CliRender, DepthsAgree) {
   EXPECT_LE(test::largest_difference(floats, render("c.tiff", "float")), 1e-4);
 }
 
+TEST(CliRender, APfmHasFloatsWithoutBeingTold) {
+  const Sample sample;
+  expect_success(test::knotreel({"render", sample.document, "-o", sample.path("a.pfm")}));
+  expect_success(test::knotreel({"render", sample.document, "-o", sample.path("b.pfm"), "--depth", "float"}));
+  expect_success(test::knotreel({"render", sample.document, "-o", sample.path("c"), "--format", "pfm"}));
+  EXPECT_TRUE(read_text(sample.path("a.pfm")) == read_text(sample.path("b.pfm")));
+  EXPECT_TRUE(read_text(sample.path("a.pfm")) == read_text(sample.path("c")));
+  expect_failure(test::knotreel({"render", sample.document, "-o", sample.path("d.pfm"), "--depth", "8"}), 2);
+}
+
+TEST(CliRender, PgmIsGreyAndPpmIsNot) {
+  const Sample grey(1);
+  const Sample colour(3);
+  const auto start = [&](const Sample& sample, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render", sample.document};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    const auto result = test::knotreel(arguments);
+    expect_success(result);
+    return (result.out.empty() ? read_text(more[1]) : result.out).substr(0, 2);
+  };
+  EXPECT_EQ(start(grey, {"-o", grey.path("a.ppm")}), "P6");
+  EXPECT_EQ(start(grey, {"-o", grey.path("a.pgm")}), "P5");
+  EXPECT_EQ(start(grey, {"-o", "-", "-f", "ppm"}), "P6");
+  EXPECT_EQ(start(grey, {"-o", "-", "-f", "pnm"}), "P5");
+  EXPECT_EQ(start(colour, {"-o", "-", "-f", "pnm"}), "P6");
+  expect_failure(test::knotreel({"render", colour.document, "-o", colour.path("a.pgm")}), 2);
+  expect_failure(test::knotreel({"render", colour.document, "-o", "-", "-f", "pgm"}), 2);
+  const auto numbered = test::knotreel({"render", grey.document, "-o", grey.path("n_%d.ppm")});
+  EXPECT_EQ(numbered.exit_code, 0) << numbered.err;
+  EXPECT_TRUE(read_text(grey.path("n_1.ppm")).starts_with("P6"));
+  expect_failure(test::knotreel({"render", colour.document, "-o", colour.path("n_%d.pgm")}), 2);
+}
+
 TEST(CliRender, StandardOutputHoldsTheSamePicture) {
   const Sample sample;
   expect_success(test::knotreel({"render", sample.document, "-o", sample.path("file.png")}));

@@ -612,6 +612,60 @@ TEST_F(CliVideo, OnePictureOfManyFramesIsTold) {
   }
 }
 
+/// One line, without a warning about frames before it.
+TEST_F(CliVideo, WrongOptionsAreAllThatIsTold) {
+  vectorize();
+  for (const std::vector<std::string>& wrong :
+       std::vector<std::vector<std::string>>{{"render", "-o", path("o.png"), "--size", "640x"},
+                                             {"render", "-o", path("o.png"), "--crop", "60,0,20,20"},
+                                             {"render", "-o", path("o.png"), "--depth", "float"},
+                                             {"export", "-o", path("o.pdf"), "--scale", "0"},
+                                             {"export", "-o", path("o.pdf"), "--geometry-tolerance", "0"}}) {
+    SCOPED_TRACE(testing::PrintToString(wrong));
+    std::vector<std::string> arguments = wrong;
+    arguments.insert(arguments.begin() + 1, document_);
+    expect_failure(knotreel(arguments), 2);
+  }
+}
+
+TEST_F(CliVideo, NumberedPicturesHaveTheDepthThatIsAskedFor) {
+  vectorize();
+  const auto depth_of = [&](const std::string& name, const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render", document_, "-o", path(name), "--frames", "0"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_success(knotreel(arguments));
+    image::ImageFileInfo info;
+    image::read_image(path("g_1" + std::filesystem::path(name).extension().string()), &info);
+    return info.samples;
+  };
+  EXPECT_EQ(depth_of("g_%d.tiff", {"--depth", "float"}), image::SampleType::f32);
+  EXPECT_EQ(depth_of("g_%d.tiff", {"--depth", "16"}), image::SampleType::u16);
+  EXPECT_EQ(depth_of("g_%d.tiff", {"--depth", "8"}), image::SampleType::u8);
+  EXPECT_EQ(depth_of("g_%d.pfm", {}), image::SampleType::f32);
+  EXPECT_EQ(depth_of("g_%d.pfm", {"--depth", "float"}), image::SampleType::f32);
+  EXPECT_EQ(depth_of("g_%d.png", {}), image::SampleType::u8);
+  expect_failure(knotreel({"render", document_, "-o", path("h_%d.png"), "--depth", "float"}), 2);
+  expect_failure(knotreel({"render", document_, "-o", path("h_%d.jpg"), "--depth", "16"}), 2);
+  expect_failure(knotreel({"render", document_, "-o", path("h.mkv"), "--depth", "float"}), 2);
+  EXPECT_FALSE(std::filesystem::exists(path("h_1.png")));
+}
+
+TEST_F(CliVideo, RenderMakesAnimatedWebpWhereTheFormatSaysSo) {
+  vectorize();
+  const auto is_animated = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> arguments{"render", document_, "-o", path("o.webp"), "-f", "webp"};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    expect_success(knotreel(arguments));
+    return read_text(path("o.webp")).find("ANMF") != std::string::npos;
+  };
+  EXPECT_TRUE(is_animated({}));
+  EXPECT_TRUE(is_animated({"--frames", "1-3"}));
+  EXPECT_FALSE(is_animated({"--frame", "1"}));
+  expect_success(knotreel({"copy", document_, "-o", path("one.tcb"), "--frames", "0"}));
+  expect_success(knotreel({"render", path("one.tcb"), "-o", path("one.webp"), "-f", "webp"}));
+  EXPECT_EQ(read_text(path("one.webp")).find("ANMF"), std::string::npos);
+}
+
 TEST_F(CliVideo, AGifMayComeFromAPipe) {
   const std::string gif = path("o.gif");
   expect_success(knotreel({"transcode", clip_, "-o", gif, "--preset", "fast", "--scale", "5"}));

@@ -3,9 +3,11 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
+#include "knotreel/image/format.h"
 #include "knotreel/image/image.h"
 #include "knotreel/video/packet.h"
 #include "knotreel/video/stream_info.h"
@@ -21,7 +23,8 @@ struct WriteOptions {
   std::string preset;     ///< of the encoder, such as "slow"; of libaom: a number, its cpu-used
   std::string container;  ///< libav's name, or "null" or "hash"; empty: by the extension, `-`: matroska
   int threads = 0;  ///< for encoding, 0: all cores. x264's bytes depend on it, the pictures' quality not
-  std::string pixel_format;  ///< libav's name; empty: nearest to the source's
+  std::string pixel_format;                  ///< libav's name; empty: nearest to the source's
+  std::optional<image::SampleType> samples;  ///< of pictures; none: as deep as the source, if they can be
   /// By libav's names, over all that is chosen here; a rate ("b") in place of the default crf. Those of
   /// x264-params and x265-params are added to what is given here.
   std::map<std::string, std::string> encoder_options;
