@@ -156,7 +156,8 @@ video::WriteOptions write_options(const VideoOutputOptions& given, const std::st
 }
 
 void warn_if_not_written(const std::string& output, const std::string& format) {
-  if (format == "null" && !output.empty()) warn("'" + output + "' is not written: --format is null");
+  if (format == "null" && !output.empty() && output != "-")
+    warn("'" + output + "' is not written: --format is null");
 }
 
 nlohmann::ordered_json tracking_json(const track::TrackOptions& o) {

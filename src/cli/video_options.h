@@ -56,7 +56,7 @@ video::ReadOptions read_options(const VideoInputOptions& given, int threads);
 /// @param container as video::WriteOptions. @throws Error{kInvalidArgument} for an option without "=".
 video::WriteOptions write_options(const VideoOutputOptions& given, const std::string& container, int threads);
 
-/// Warns of an output that is named although the format writes none.
+/// Warns of a file that is named although the format writes none; `-` is what ffmpeg wants named then.
 void warn_if_not_written(const std::string& output, const std::string& format);
 
 /// As docs/stats.md tells.

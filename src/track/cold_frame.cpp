@@ -23,7 +23,6 @@ namespace {
 // then; dB.
 constexpr double kGainOfDrawing = 0.5;
 constexpr double kGainOfCramped = 3;  // without room for the frames behind: they will often be made anew
-constexpr double kClear = 42;         // film of a drawing that is worse is compared with more of them; dB
 constexpr double kGainOfDense = 2;    // over illegible film
 constexpr double kClear = 42;  // dB; film of a drawing that is worse may be better as one in spite of all
 // Share of the control points that it may use up: features change from frame to frame, and need room for

@@ -171,7 +171,7 @@ TEST_F(CliDistinctPaths, StandardOutputIsForOne) {
   expect_success(stats);
   EXPECT_EQ(nlohmann::json::parse(stats.out)["frame_count"], 3);
   EXPECT_TRUE(read_text(path("digest")).starts_with("sha256:"));
-  const auto drawn = knotreel({"render", document_, "-f", "null", "-o", "x", "--stats", "-"});
+  const auto drawn = knotreel({"render", document_, "-f", "null", "-o", "-", "--stats", "-"});
   expect_success(drawn);
   EXPECT_EQ(nlohmann::json::parse(drawn.out)["frame_count"], 1);
   const auto bench = knotreel({"bench", clip_, "--threads", "1", "--preset", "fast", "--json", "-"});

@@ -136,8 +136,8 @@ void add_clips(CLI::App& command, BatchArguments& arguments) {
 }
 
 constexpr const char* kBatchFooter = R"(
-photo.png becomes photo.tcb and clip.mp4 clip.tcb, as 'knotreel vectorize' makes them. Those that would get the
-same document keep their extensions: a.png.tcb, a.jpg.tcb. What cannot be read does not stop the others.
+photo.png becomes photo.tcb and clip.mp4 clip.tcb, as 'knotreel vectorize' makes them. Those that would get
+the same document keep their extensions: a.png.tcb, a.jpg.tcb. What cannot be read does not stop the others.
 Exit codes: 0 all done, 3 some inputs failed, 4 some outputs could not be written, 130 interrupted.
 Examples:
   knotreel batch photos -o documents
