@@ -46,6 +46,7 @@ FrameModel recoloured(FrameModel model) {
   std::normal_distribution<double> noise(0, 3);
   for (double& c : model.colour) c += noise(random);
   model.keyframe = false;
+  ++model.pts;
   return model;
 }
 

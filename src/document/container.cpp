@@ -138,6 +138,10 @@ std::vector<std::byte> write_index(const std::vector<FrameRecord>& records) {
   return out.take();
 }
 
+void require_later(std::int64_t pts, std::int64_t before) {
+  if (pts <= before) malformed("the time of a frame is not after that of the frame before");
+}
+
 std::vector<FrameRecord> parse_index(std::span<const std::byte> payload) {
   ByteReader in(payload);
   // A record has four bytes at least.
@@ -152,6 +156,7 @@ std::vector<FrameRecord> parse_index(std::span<const std::byte> payload) {
     r.pts = static_cast<std::int64_t>(static_cast<std::uint64_t>(last.pts) +
                                       static_cast<std::uint64_t>(in.svarint()));
     if (!is_time(r.pts)) malformed("the time of a frame is out of range");
+    if (&r != &records.front()) require_later(r.pts, last.pts);
     last = r;
   }
   if (in.remaining() > 0) malformed("data after the index");

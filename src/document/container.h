@@ -59,6 +59,9 @@ std::int64_t parse_last(std::span<const std::byte> payload);
 std::vector<std::byte> write_index(const std::vector<FrameRecord>& records);
 std::vector<FrameRecord> parse_index(std::span<const std::byte> payload);
 
+/// @throws Malformed if the time of a frame is not after that of the frame before.
+void require_later(std::int64_t pts, std::int64_t before);
+
 /// Checks what both Writer and Reader demand of an info. @return what is wrong, or null.
 const char* find_defect(const SequenceInfo& info);
 

@@ -138,6 +138,7 @@ void DocumentFile::scan() {
       if (header->type == ChunkType::kFrame) {
         const FramePrefix prefix = read_prefix(payload_at(offset, *header));
         if (records_.empty() && !prefix.keyframe) malformed("the first frame is not a keyframe");
+        if (!records_.empty()) require_later(prefix.pts, records_.back().pts);
         records_.push_back(
             {offset, kChunkHeaderBytes + header->length, prefix.frame, prefix.pts, prefix.keyframe});
       } else if (header->type == ChunkType::kEnd) {

@@ -17,6 +17,10 @@ FrameStream::FrameStream(std::ostream& out, const Format& format) : format_(form
 
 void FrameStream::put(FrameState& state, const FrameState* before) {
   require_open();
+  if (!records_.empty() && state.pts <= records_.back().pts) {
+    throw Error(ErrorKind::kInvalidArgument,
+                "cannot store a frame: its time is not after that of the frame before");
+  }
   const std::vector<std::byte> bytes = chunk(ChunkType::kFrame, encode_frame(state, before, format_));
   const FrameRecord record{position_, bytes.size(), state.frame, state.pts, state.keyframe};
   put(bytes);

@@ -49,6 +49,7 @@ TEST(Edits, ComeBackBitByBit) {
         for (std::uint64_t n = random() % 40; n > 0; --n) edits.step();
         model = testing::random_model(mesh.to_mesh(), degree, 2, seed + frame, random() % 2 == 0);
         model.frame = frame + 1;
+        model.pts = stored.back().pts + 1;
         model.keyframe = random() % 8 == 0;
       }
       writer.finish();
@@ -73,11 +74,13 @@ TEST(Edits, CostWhatTheyChange) {
     writer.append(model);
     model.keyframe = false;
     model.edge_softness = 0.125;  // a change, so that it is on the grid of deltas
+    model.pts = 1;
     writer.append(model);
     edit(edits);
     model = plain_frame(mesh.to_mesh(), 2, kEditsSeed, false);
     model.keyframe = false;
     model.edge_softness = 0.125;
+    model.pts = 2;
     writer.append(model);
     writer.finish();
     Reader reader = Reader::open(bytes_of(out));
@@ -115,6 +118,7 @@ TEST(Edits, KnotsThatStayAmongMovingOnesCostNoMoreThanMovesByOneStep) {
       model = plain_frame(mesh, 2, kEditsSeed, false);
       model.keyframe = false;
       model.frame = f;
+      model.pts = static_cast<std::int64_t>(f);
       writer.append(model);
     }
     writer.finish();

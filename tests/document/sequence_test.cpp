@@ -10,7 +10,9 @@
 #include "document/bytes.h"
 #include "document/container.h"
 #include "document/frame_codec.h"
+#include "document/reseal.h"
 #include "document/sample_models.h"
+#include "knotreel/base/error.h"
 #include "knotreel/base/ticks.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/document/writer.h"
@@ -47,6 +49,7 @@ Sequence encode(int degree) {
       model = sequence.stored.back();
       model.keyframe = false;
       ++model.frame;
+      ++model.pts;
     }
     model.keyframe = f + 1 == 6;
   }
@@ -133,6 +136,59 @@ TEST(Sequence, TimesOutOfRangeAreRefused) {
   }
 }
 
+TEST(Sequence, TimesAscend) {
+  FrameModel model =
+      testing::random_model(testing::random_mesh(64, 48, 30, 1, kSequenceSeed), 2, 3, kSequenceSeed);
+  std::ostringstream out;
+  document::Writer writer(out, testing::info_of(model));
+  model.pts = 7;
+  writer.append(model);
+  const std::size_t size = out.str().size();
+  model.keyframe = false;
+  for (const std::int64_t pts : {7, 6, -1}) {
+    model.pts = pts;
+    EXPECT_THROW(writer.append(model), Error) << pts;
+    EXPECT_EQ(out.str().size(), size);
+  }
+  model.pts = 8;
+  EXPECT_EQ(writer.append(model).pts, 8) << "what was refused is without consequences";
+}
+
+/// Those of other programs: neither by the index nor, if the file is cut short, by the frames themselves.
+TEST(Sequence, DocumentsWhoseTimesDoNotAscendAreRefused) {
+  FrameModel model =
+      testing::random_model(testing::random_mesh(64, 48, 30, 1, kSequenceSeed), 2, 3, kSequenceSeed);
+  model.frame = 0;
+  model.pts = 0;
+  FrameModel later = model;
+  later.keyframe = false;
+  later.pts = 1;
+  const std::vector<std::byte> good = testing::write_document({model, later});
+  EXPECT_NO_THROW(Reader::open(good));
+  const auto message_of = [](const std::vector<std::byte>& bytes) -> std::string {
+    try {
+      Reader::open(bytes);
+      return "";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::kInput);
+      return e.what();
+    }
+  };
+  const document::FrameRecord record = Reader::open(good).record(1);
+  std::vector<std::byte> bad = good;
+  // Behind the flags and the number of the frame; and the last byte of the index.
+  std::byte& in_frame = bad[static_cast<std::size_t>(record.offset) + document::kChunkHeaderBytes + 2];
+  std::byte& in_index = bad[bad.size() - document::kEndChunkBytes - 1];
+  ASSERT_EQ(in_frame, std::byte{2});
+  ASSERT_EQ(in_index, std::byte{2});
+  in_frame = in_index = std::byte{0};
+  testing::reseal(bad);
+  const std::string why = "the time of a frame is not after that of the frame before";
+  EXPECT_NE(message_of(bad).find(why), std::string::npos) << message_of(bad);
+  bad.resize(bad.size() - document::kEndChunkBytes);
+  EXPECT_NE(message_of(bad).find(why), std::string::npos) << message_of(bad);
+}
+
 TEST(Sequence, NamesOfMetadataAscend) {
   document::Format format;
   format.info.width = format.info.height = format.info.channels = format.info.degree = 1;
@@ -159,12 +215,14 @@ TEST(Sequence, ARepeatedKeyframeStaysAsItIs) {
     FrameModel again = f == 1 ? first : model;  // as stored, or as it was given at first
     again.keyframe = false;
     again.frame = f;
+    again.pts = first.pts + static_cast<std::int64_t>(f);
     const FrameModel stored = writer.append(again);
     EXPECT_TRUE(same_surface(stored, first)) << f;
   }
   FrameModel moved = first;
   moved.keyframe = false;
   moved.frame = 3;
+  moved.pts = first.pts + 3;
   moved.colour[0] += 40;
   EXPECT_FALSE(same_surface(writer.append(moved), first));
   writer.finish();

@@ -16,8 +16,10 @@
 namespace knotreel::pipeline {
 namespace {
 
-document::FrameModel small_model() {
-  return testing::blank_model(testing::MeshBuilder(16, 12).triangulated(), 2, 3);
+document::FrameModel small_model(std::int64_t pts = 0) {
+  document::FrameModel model = testing::blank_model(testing::MeshBuilder(16, 12).triangulated(), 2, 3);
+  model.pts = pts;
+  return model;
 }
 
 document::SequenceInfo small_info() {
@@ -54,7 +56,7 @@ class DocumentSinkTest : public ::testing::Test {
 TEST_F(DocumentSinkTest, CanBeReadFromItsPartFileUntilItIsFinished) {
   DocumentSink sink(path_, small_info());
   for (std::size_t count = 1; count <= 3; ++count) {
-    sink.append(small_model());
+    sink.append(small_model(std::int64_t(count)));
     EXPECT_EQ(document::Reader::open(part()).frame_count(), count);
   }
   EXPECT_EQ(text(), "old");
@@ -76,7 +78,7 @@ TEST_F(DocumentSinkTest, LeavesItsWholeFramesWhereTheProgramIsKilled) {
   if (child == 0) {
     DocumentSink sink(path_, small_info());
     sink.append(small_model());
-    sink.append(small_model());
+    sink.append(small_model(1));
     raise(SIGKILL);
   }
   int status = 0;

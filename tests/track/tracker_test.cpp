@@ -399,7 +399,8 @@ TEST(Tracker, ColoursAreAsCoarseAsWhatIsMissed) {
     std::ostringstream out;
     document::Writer writer(out, info);
     for (std::size_t i = 0; i < run.models.size(); ++i) {
-      const document::FrameModel& model = run.models[i];
+      document::FrameModel model = run.models[i];
+      model.pts = static_cast<std::int64_t>(i);
       const document::FrameModel stored = writer.append(model);
       if (i == 0) continue;
       EXPECT_EQ(model.colour_step, step) << deviation;

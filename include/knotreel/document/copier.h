@@ -39,7 +39,8 @@ class Copier {
   /// Copies a frame. @param frame  place in the document, from 0.
   /// @return number of its knots.
   /// @throws Error{kInvalidArgument} if there is no such frame, or if it does not fit: another size, degree
-  /// or number of channels, or steps that those of the copy do not divide (nothing is written then);
+  /// or number of channels, or steps that those of the copy do not divide, or a time that is not after that
+  /// of the frame before (nothing is written then);
   /// Error{kInput} if it is damaged, Error{kOutput} if writing fails.
   std::size_t append(Reader& from, std::size_t frame, const Place& place);
 

@@ -45,8 +45,9 @@ class Writer {
   /// Stores a frame; the first is a keyframe whatever the model says.
   /// @return the frame bit by bit as a reader will get it: rounded, and with knots, faces, segments and
   /// functions in the order of the file. An encoder that goes on from it does not drift.
-  /// @throws Error{kInvalidArgument} for a model that does not fit the info, is unsound or holds values out
-  /// of range (nothing is written then), Error{kOutput} if writing fails.
+  /// @throws Error{kInvalidArgument} for a model that does not fit the info, is unsound, holds values out
+  /// of range or is not later than the frame before (nothing is written then), Error{kOutput} if writing
+  /// fails.
   FrameModel append(const FrameModel& model);
 
   /// Writes the index. Call once, last. @param last_duration  Reader::last_duration() of the document.
