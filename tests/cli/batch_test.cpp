@@ -272,6 +272,55 @@ TEST(CliBatch, ClipsBecomeVideosAndResumeSkipsThem) {
   EXPECT_NE(read_text(out + "/manifest.jsonl").find("skipped"), std::string::npos);
 }
 
+/// A picture that changes does not change its folder, and a pattern is no file.
+TEST(CliBatch, ResumeLooksAtThePicturesOfFoldersAndPatterns) {
+  const TempDir dir;
+  const auto write = [&](const std::string& name, int frame) {
+    image::write_image(dir / name, test::moving_picture(48, 32, 3, frame));
+  };
+  std::filesystem::create_directory(dir / "shot");
+  for (int i = 0; i < 2; ++i) {
+    write("shot/p" + std::to_string(i) + ".png", i);
+    write("other_" + std::to_string(i) + ".png", i);
+  }
+  const std::string shot = (dir / "shot").string(), other = (dir / "other_%d.png").string();
+  test::write_text(dir / "list", shot + "\n" + other + "\n");
+  const auto statuses = [&](const std::vector<std::string>& more) {
+    std::vector<std::string> command{
+        "batch", (dir / "list").string(), "-o", (dir / "out").string(), "--preset", "fast", "-q"};
+    command.insert(command.end(), more.begin(), more.end());
+    expect_success(test::knotreel(command));
+    std::istringstream lines(read_text(dir / "out/manifest.jsonl"));
+    std::map<std::string, std::string> last;
+    for (std::string line; std::getline(lines, line);) {
+      const json entry = json::parse(line);
+      EXPECT_EQ(entry.value("input_files", 0), entry["frames"]);
+      last[entry["input"]] = entry["status"];
+    }
+    return last;
+  };
+  using Statuses = std::map<std::string, std::string>;
+  EXPECT_EQ(statuses({}), (Statuses{{shot, "done"}, {other, "done"}}));
+  EXPECT_EQ(statuses({"--resume"}), (Statuses{{shot, "skipped"}, {other, "skipped"}}));
+  write("shot/p1.png", 5);
+  EXPECT_EQ(statuses({"--resume"}), (Statuses{{shot, "done"}, {other, "skipped"}}));
+  write("other_2.png", 2);
+  EXPECT_EQ(statuses({"--resume"}), (Statuses{{shot, "skipped"}, {other, "done"}}));
+}
+
+/// The name of a clip is no pattern, though that of its video would be one.
+TEST(CliBatch, ClipsMayHaveNumberPatternsAsNames) {
+  const TempDir dir;
+  std::filesystem::create_directory(dir / "in");
+  const auto times = test::write_clip((dir / "in/clip.mkv").string(), 3);
+  std::filesystem::copy_file(dir / "in/clip.mkv", dir / "in/a%03d.mkv");
+  std::filesystem::rename(dir / "in/clip.mkv", dir / "in/100%done_%d.mkv");
+  expect_success(test::knotreel({"batch", (dir / "in").string(), "-o", (dir / "out").string(), "--preset",
+                                 "fast", "--transcode", "-q", "--pixel-format", "yuv420p"}));
+  EXPECT_EQ(test::frame_times((dir / "out/a%03d.mp4").string()), times);
+  EXPECT_EQ(test::frame_times((dir / "out/100%done_%d.mp4").string()), times);
+}
+
 TEST(CliBatch, APartBehindTheEndOfAClipIsToldOf) {
   const TempDir dir;
   std::filesystem::create_directory(dir / "in");

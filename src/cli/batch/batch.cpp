@@ -83,7 +83,8 @@ void run_batch(const BatchArguments& arguments) {
   const double alone_above = 1e6 * arguments.alone_above;
   VideoRun run = arguments.clips;
   run.options = arguments.options;
-  if (arguments.transcode) run.video.options = write_options(arguments.encoding, "", 0);
+  // With a format that is told, a name with "%d" in it is that of one file.
+  if (arguments.transcode) run.video.options = write_options(arguments.encoding, "mp4", 0);
   const batch::PictureJob pictures(arguments.options, alone_above);
   const batch::ClipJob clips(run, arguments.transcode, alone_above);
   batch::run_lot(lot, batch::AnyJob(pictures, clips, arguments.transcode), manifest, progress);

@@ -4,6 +4,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
 #include <cmath>
 #include <filesystem>
@@ -14,6 +15,7 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
+#include "knotreel/video/picture_list.h"
 
 namespace knotreel::cli::batch {
 namespace {
@@ -37,6 +39,7 @@ Json json_of(const Entry& entry) {
   json["seconds"] = std::round(entry.seconds * 1000) / 1000;
   json["input_size"] = entry.stamp ? Json(entry.stamp->size) : Json(nullptr);
   json["input_mtime"] = entry.stamp ? Json(entry.stamp->mtime) : Json(nullptr);
+  if (entry.stamp && entry.stamp->files) json["input_files"] = *entry.stamp->files;
   return json;
 }
 
@@ -50,7 +53,10 @@ Entry entry_of(const Json& json) {
     entry.figures =
         Figures{json.at("knots"), json.at("control_points"), db, json.at("file_bytes"), json.at("frames")};
   }
-  if (!json.at("input_size").is_null()) entry.stamp = Stamp{json.at("input_size"), json.at("input_mtime")};
+  if (!json.at("input_size").is_null()) {
+    entry.stamp = Stamp{json.at("input_size"), json.at("input_mtime"), {}};
+    if (json.contains("input_files")) entry.stamp->files = json["input_files"].get<std::uint64_t>();
+  }
   return entry;
 }
 
@@ -70,13 +76,33 @@ int open_manifest(const std::string& path, bool keep) {
   return ::open(path.c_str(), O_RDWR | O_CREAT | O_APPEND | O_CLOEXEC | (keep ? 0 : O_TRUNC), 0666);
 }
 
-}  // namespace
-
-std::optional<Stamp> stamp_of(const std::string& path) {
+std::optional<Stamp> stamp_of_file(const std::string& path) {
   struct stat status {};
   if (::stat(path.c_str(), &status) != 0) return std::nullopt;
   const std::int64_t second = 1'000'000'000;
-  return Stamp{std::uint64_t(status.st_size), status.st_mtim.tv_sec * second + status.st_mtim.tv_nsec};
+  return Stamp{std::uint64_t(status.st_size), status.st_mtim.tv_sec * second + status.st_mtim.tv_nsec, {}};
+}
+
+/// Of a folder or a pattern: pictures may change without the folder, and a pattern is no file.
+std::optional<Stamp> stamp_of_pictures(const std::string& input) try {
+  const std::vector<std::string> pictures = video::list_pictures(input);
+  Stamp all;
+  all.files = pictures.size();
+  for (const std::string& picture : pictures) {
+    const std::optional<Stamp> stamp = stamp_of_file(picture);
+    if (!stamp) return std::nullopt;
+    all.size += stamp->size;
+    all.mtime = std::max(all.mtime, stamp->mtime);
+  }
+  return all;
+} catch (const Error&) {
+  return std::nullopt;  // there are none, which whoever reads them tells
+}
+
+}  // namespace
+
+std::optional<Stamp> stamp_of(const std::string& path) {
+  return video::means_pictures(path) ? stamp_of_pictures(path) : stamp_of_file(path);
 }
 
 std::map<std::string, Entry> read_manifest(const std::string& path) {

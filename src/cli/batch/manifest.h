@@ -22,12 +22,13 @@ struct Figures {
 /// By which a changed input is known.
 struct Stamp {
   std::uint64_t size = 0;
-  std::int64_t mtime = 0;  ///< nanoseconds since 1970
+  std::int64_t mtime = 0;              ///< nanoseconds since 1970; of several files the latest
+  std::optional<std::uint64_t> files;  ///< of a folder or a pattern, how many; size is their sum
 
   friend bool operator==(const Stamp&, const Stamp&) = default;
 };
 
-/// Of a file; none if there is no such file.
+/// Of a file, or of the pictures that a folder or a pattern means; none if there are no such.
 std::optional<Stamp> stamp_of(const std::string& path);
 
 /// A line of the manifest, as docs/batch.md tells.
