@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <sstream>
 
 #include "program.h"
@@ -156,6 +157,56 @@ TEST_F(CliBench, ErrorsAreThoseOfTheRuns) {
   const auto wrong = knotreel({"bench", "static", "--size", "64x36", "--frames", "2", "--threads", "1",
                                "--transcode-options", "--no-such-option"});
   EXPECT_EQ(wrong.exit_code, 2) << wrong.err;
+}
+
+TEST_F(CliBench, WhatCannotApplyIsRefused) {
+  measured({"--threads", "1"});
+  const std::string clip = path("clip.mkv"), video = path("out.mkv");
+  test::write_clip(clip, 3);
+  const auto refused = [&](std::vector<std::string> arguments, const std::string& why) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    arguments.insert(arguments.begin(), "bench");
+    const auto result = knotreel(arguments);
+    expect_failure(result, 2);
+    EXPECT_NE(result.err.find(why), std::string::npos) << result.err;
+  };
+  const auto compare = [&](const std::vector<std::string>& more, const std::string& why) {
+    std::vector<std::string> arguments{"--compare", result_, result_};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    refused(arguments, why);
+  };
+  compare({"--size", "64x36"}, "--size is of no use with --compare");
+  compare({"--markdown"}, "--markdown is of no use with --compare");
+  compare({"--json", path("o.json")}, "--json is of no use with --compare");
+  compare({"--passthrough", video}, "--passthrough is of no use with --compare");
+  compare({"--crf", "20"}, "--crf is of no use with --compare");
+  refused({"static", "--compare", result_, result_}, "clips are of no use with --compare");
+  const auto pass = [&](const std::vector<std::string>& more, const std::string& why) {
+    std::vector<std::string> arguments{clip, "--passthrough", video};
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    refused(arguments, why);
+  };
+  pass({"--frames", "2"}, "--frames is of no use with --passthrough");
+  pass({"--preset", "fast"}, "--preset is of no use with --passthrough");
+  pass({"--threshold", "5"}, "--threshold is of no use with --passthrough");
+  pass({"--threads", "1,2"}, "--passthrough takes one number of threads");
+  pass({clip}, "--passthrough takes one clip");
+  refused({clip, "--threshold", "5"}, "--threshold is for --compare");
+  expect_success(knotreel({"bench", clip, "--passthrough", video, "--threads", "1", "--codec", "ffv1"}));
+}
+
+/// The signal goes to the program alone, while a run of its own goes on that would take minutes.
+TEST_F(CliBench, ASignalEndsTheRunAndLeavesNothing) {
+  const std::string temporary = path("temporary");
+  const std::string script = "mkdir '" + temporary + "' && export TMPDIR='" + temporary + "' || exit 99\n'" +
+                             KNOTREEL_PROGRAM +
+                             "' bench pan --size 96x64 --frames 300 --preset fine --threads 1 &\n"
+                             "bench=$!\n"
+                             "until [ -n \"$(find $TMPDIR -name 'out.tcb*')\" ]; do sleep 0.05; done\n"
+                             "kill -TERM $bench; wait $bench";
+  const auto result = test::run({"/bin/sh", "-c", script});
+  expect_failure(result, 130);
+  EXPECT_TRUE(std::filesystem::is_empty(temporary));
 }
 
 }  // namespace

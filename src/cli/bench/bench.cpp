@@ -3,6 +3,7 @@
 #include <fstream>
 #include <memory>
 #include <optional>
+#include <set>
 #include <sstream>
 
 #include "bench_clips.h"
@@ -132,14 +133,39 @@ void check_outputs(const BenchArguments& arguments) {
   check_paths(arguments.clips, outputs);
 }
 
-void run(const BenchArguments& arguments) {
+/// Options that would be without effect are refused, and so are clips: others were meant to be measured.
+void check_use(const CLI::App& command, const char* mode, const std::set<std::string>& useful) {
+  for (const CLI::Option* option : command.get_options()) {
+    const std::string name = option->get_name();
+    if (option->count() == 0 || useful.contains(name)) continue;
+    throw Error(ErrorKind::kInvalidArgument,
+                (name == "CLIPS" ? "clips are" : name + " is") + std::string(" of no use with ") + mode);
+  }
+}
+
+void check_arguments(const CLI::App& command, const BenchArguments& arguments) {
+  if (!arguments.compare.empty()) {
+    check_use(command, "--compare", {"--compare", "--threshold"});
+  } else if (!arguments.passthrough.empty()) {
+    check_use(command, "--passthrough",
+              {"CLIPS", "--passthrough", "--threads", "--codec", "--crf", "--encoder-preset",
+               "--pixel-format", "--encoder-option", "--container-option"});
+    if (arguments.clips.size() != 1) throw Error(ErrorKind::kInvalidArgument, "--passthrough takes one clip");
+    if (command.count("--threads") > 0 && arguments.threads.size() != 1)
+      throw Error(ErrorKind::kInvalidArgument, "--passthrough takes one number of threads");
+  } else if (command.count("--threshold") > 0) {
+    throw Error(ErrorKind::kInvalidArgument, "--threshold is for --compare");
+  }
+}
+
+void run(const CLI::App& command, const BenchArguments& arguments) {
+  check_arguments(command, arguments);
   check_outputs(arguments);
   if (!arguments.compare.empty()) {
     const bench::Result before = read_result(arguments.compare[0]);
     const bench::Result after = read_result(arguments.compare[1]);
     write_text("-", bench::comparison_text(before, after, arguments.threshold / 100));
   } else if (!arguments.passthrough.empty()) {
-    if (arguments.clips.size() != 1) throw Error(ErrorKind::kInvalidArgument, "--passthrough takes one clip");
     const int threads = arguments.threads.back();
     const double seconds = bench::pass_through(arguments.clips.front(), arguments.passthrough,
                                                write_options(arguments.encoding, {}, threads), threads);
@@ -222,7 +248,7 @@ void add_bench_command(CLI::App& program) {
   add_work(*command, *arguments);
   add_reports(*command, *arguments);
   command->footer(kBenchFooter);
-  command->callback([arguments] { run(*arguments); });
+  command->callback([command, arguments] { run(*command, *arguments); });
 }
 
 }  // namespace knotreel::cli

@@ -7,8 +7,10 @@
 
 #include <cerrno>
 #include <chrono>
+#include <csignal>
 #include <cstring>
 #include <fstream>
+#include <future>
 #include <iterator>
 
 #include "cli/interrupt.h"
@@ -42,8 +44,21 @@ pid_t start(const std::vector<std::string>& arguments, const std::string& output
   return child;
 }
 
-/// Its exit code, or 128 and the number of the signal that ended it.
+/// Until it has ended. It stays to be waited for, so that nobody else gets its number.
+void await_end(pid_t child) {
+  siginfo_t ignored{};
+  while (::waitid(P_PID, id_t(child), &ignored, WEXITED | WNOWAIT) < 0 && errno == EINTR) continue;
+}
+
+/// Its exit code, or 128 and the number of the signal that ended it. It is told when a signal comes, which
+/// may have been meant for this process alone, and then ends in order.
 int wait_for(pid_t child) {
+  constexpr std::chrono::milliseconds kLook{50};
+  const auto end = std::async(std::launch::async, await_end, child);
+  bool told = false;
+  while (end.wait_for(kLook) != std::future_status::ready) {
+    if (!told && interrupted()) told = ::kill(child, SIGTERM) == 0;
+  }
   int status = 0;
   while (::waitpid(child, &status, 0) < 0 && errno == EINTR) continue;
   return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
