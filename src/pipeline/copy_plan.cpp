@@ -15,6 +15,9 @@ namespace {
 
 using video::Rational;
 
+/// Largest numerator and denominator of a frame rate that is read again.
+constexpr std::int64_t kMostOfRate = 0x7fffffff;
+
 /// Names of metadata without which pictures would be shown otherwise.
 constexpr const char* kShape[] = {"display_matrix", "sample_aspect"};
 
@@ -116,6 +119,7 @@ class Planner {
       plan_.info.metadata.erase("start");
       if (start != 0) plan_.info.metadata["start"] = std::to_string(in_units(start, factor_of(0)));
       plan_.info.metadata["end"] = std::to_string(plan_.end);
+      tell_rate();
       warn_of_colours();
     }
     return std::move(plan_);
@@ -139,6 +143,20 @@ class Planner {
     }
     const std::int64_t last = document.last_duration > 0 ? in_units(document.last_duration, factor) : frame_;
     plan_.end = checked_time(plan_.frames.back().pts + last);
+  }
+
+  /// If the documents do not say one alike, and all frames last as long.
+  void tell_rate() {
+    if (plan_.info.metadata.contains("frame_rate")) return;
+    const std::int64_t duration = plan_.end - plan_.frames.back().pts;
+    for (std::size_t i = 1; i < plan_.frames.size(); ++i) {
+      if (plan_.frames[i].pts - plan_.frames[i - 1].pts != duration) return;
+    }
+    const std::int64_t factor = std::gcd(plan_.info.time_base_den, duration);
+    const std::int64_t num = plan_.info.time_base_den / factor;
+    const std::int64_t ticks = duration / factor, unit = plan_.info.time_base_num;
+    if (ticks > kMostOfRate / unit) return;
+    plan_.info.metadata["frame_rate"] = std::to_string(num) + "/" + std::to_string(ticks * unit);
   }
 
   void warn_of_colours() {

@@ -6,6 +6,7 @@ namespace knotreel {
 namespace {
 
 using test::expect_failure;
+using test::expect_success;
 using test::read_text;
 using test::TempDir;
 
@@ -111,6 +112,31 @@ TEST(CliCopy, CommandsForOneDocumentTellOfItWhenGivenSeveral) {
   const auto result = test::knotreel({"render", sample.path("frames"), "-o", sample.path("out.mp4")});
   expect_failure(result, 3);
   EXPECT_NE(result.err.find("knotreel copy"), std::string::npos);
+}
+
+TEST(CliCopy, StillsOfOneDurationHaveARate) {
+  const CopySample sample;
+  sample.copy({sample.document, "--split", sample.path("frames")});
+  std::vector<std::string> stills;
+  for (int i = 0; i < 3; ++i) {
+    stills.push_back(sample.path("still" + std::to_string(i) + ".tcb"));
+    expect_success(test::knotreel({"vectorize", sample.path("in_" + std::to_string(i) + ".png"), "-o",
+                                   stills.back(), "--preset", "fast", "-q"}));
+  }
+  const auto info_of_copy = [&](std::vector<std::string> more) {
+    std::vector<std::string> all = stills;
+    all.insert(all.end(), more.begin(), more.end());
+    all.insert(all.end(), {"-o", sample.path("film.tcb")});
+    all.insert(all.begin(), "copy");
+    EXPECT_EQ(test::knotreel(all).exit_code, 0);
+    return nlohmann::json::parse(test::knotreel({"info", sample.path("film.tcb"), "--json"}).out);
+  };
+  EXPECT_EQ(info_of_copy({})["frame_rate"], (nlohmann::json{25, 1}));
+  const auto film = info_of_copy({"--image-rate", "30000/1001"});
+  EXPECT_EQ(film["frame_rate"], (nlohmann::json{30000, 1001}));
+  EXPECT_NEAR(film["seconds"].get<double>(), 3 * 1001 / 30000.0, 1e-9);
+  // One that lasts a tenth of a second beside those that last a 25th.
+  EXPECT_TRUE(info_of_copy({sample.path("frames/frame_000001.tcb")})["frame_rate"].is_null());
 }
 
 }  // namespace

@@ -117,6 +117,26 @@ TEST(CopyPlan, MetadataIsWhatAllSay) {
   EXPECT_NE(plan.warnings[0].find("b.tcb"), std::string::npos);
 }
 
+TEST(CopyPlan, TheRateIsToldWhereAllFramesLastAsLong) {
+  const auto rate_of = [](const std::vector<Contents>& documents, video::Rational rate = kPictureRate) {
+    const CopyPlan plan = plan_copy(documents, rate);
+    const auto found = plan.info.metadata.find("frame_rate");
+    return found == plan.info.metadata.end() ? std::string() : found->second;
+  };
+  const Contents still = document_at({0}, 0);
+  EXPECT_EQ(rate_of({still, still, still}), "25/1");
+  EXPECT_EQ(rate_of({still, still}, {30000, 1001}), "30000/1001");
+  EXPECT_EQ(rate_of({still}), "") << "one that stays as it is";
+  EXPECT_EQ(rate_of({still, document_at({0, 40}, 40)}), "25/1");
+  EXPECT_EQ(rate_of({still, document_at({0, 40}, 50)}), "");
+  EXPECT_EQ(rate_of({still, document_at({0, 50}, 40)}), "");
+  Contents first = document_at({0}, 40), second = document_at({0}, 40, "b");
+  first.info.metadata["frame_rate"] = second.info.metadata["frame_rate"] = "24/1";
+  EXPECT_EQ(rate_of({first, second}), "24/1") << "what all say";
+  first.info.metadata["frame_rate"] = "23/1";
+  EXPECT_EQ(rate_of({first, second}), "25/1");
+}
+
 TEST(CopyPlan, StepsAreTheLargestThatAllHave) {
   Contents first = document_at({0}, 40), second = document_at({0}, 40, "b");
   second.steps = {768, 64};
