@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <optional>
 #include <string_view>
 
 #include "colour_rules.h"
@@ -194,12 +195,35 @@ ColourNames names_of(const ColourTags& tags) {
                av_chroma_location_name(AVChromaLocation(tags.chroma_location)))};
 }
 
-double rotation_degrees(const StreamInfo& info) {
-  std::array<std::int32_t, 9> matrix{};
-  if (info.display_matrix.size() != sizeof matrix) return 0;
+namespace {
+
+using DisplayMatrix = std::array<std::int32_t, 9>;
+
+std::optional<DisplayMatrix> display_matrix(const StreamInfo& info) {
+  DisplayMatrix matrix{};
+  if (info.display_matrix.size() != sizeof matrix) return {};
   std::memcpy(matrix.data(), info.display_matrix.data(), sizeof matrix);
-  const double anticlockwise = av_display_rotation_get(matrix.data());
-  return std::isfinite(anticlockwise) && anticlockwise != 0 ? -anticlockwise : 0;
+  return matrix;
+}
+
+}  // namespace
+
+bool is_mirrored(const StreamInfo& info) {
+  const auto matrix = display_matrix(info);
+  if (!matrix) return false;
+  const auto& [right_x, right_y, u, down_x, down_y, v, x, y, w] = *matrix;
+  return double(right_x) * double(down_y) < double(right_y) * double(down_x);
+}
+
+double rotation_degrees(const StreamInfo& info) {
+  const auto matrix = display_matrix(info);
+  if (!matrix) return 0;
+  const double anticlockwise = av_display_rotation_get(matrix->data());
+  if (!std::isfinite(anticlockwise)) return 0;
+  // That of a step to the right, which leads to the left where it is mirrored.
+  double clockwise = -anticlockwise;
+  if (is_mirrored(info)) clockwise += clockwise > 0 ? -180 : 180;
+  return clockwise != 0 ? clockwise : 0;  // not -0
 }
 
 std::vector<StreamEntry> list_streams(const AVFormatContext& format) {

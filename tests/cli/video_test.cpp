@@ -782,6 +782,50 @@ TEST_F(CliVideo, FiltersComeBeforeAnythingElse) {
   EXPECT_FALSE(std::filesystem::exists(path("no.mkv")));
 }
 
+TEST_F(CliVideo, InfoTellsMirroredFromTurned) {
+  struct Shown {
+    std::int32_t right_x, right_y, down_x, down_y;
+    std::string text;
+    int degrees;
+    bool mirrored;
+  };
+  const std::vector<Shown> all{{0, 1, -1, 0, "90 degrees clockwise", 90, false},
+                               {-1, 0, 0, -1, "180 degrees clockwise", 180, false},
+                               {-1, 0, 0, 1, "mirrored left to right", 0, true},
+                               {1, 0, 0, -1, "mirrored top to bottom", 180, true},
+                               {0, 1, 1, 0, "mirrored left to right, then -90 degrees clockwise", -90, true},
+                               {0, -1, -1, 0, "mirrored left to right, then 90 degrees clockwise", 90, true}};
+  for (const Shown& shown : all) {
+    SCOPED_TRACE(shown.text);
+    video::VideoReader reader = video::VideoReader::open(clip_);
+    video::StreamInfo info = reader.info();
+    constexpr std::int32_t kOne = 65536;
+    const std::int32_t matrix[9] = {kOne * shown.right_x,
+                                    kOne * shown.right_y,
+                                    0,
+                                    kOne * shown.down_x,
+                                    kOne * shown.down_y,
+                                    0,
+                                    0,
+                                    0,
+                                    1 << 30};
+    info.display_matrix.resize(sizeof matrix);
+    std::memcpy(info.display_matrix.data(), matrix, sizeof matrix);
+    video::VideoWriter writer = video::VideoWriter::create(path("phone.mp4"), info);
+    for (video::Frame frame; reader.next(frame);) writer.write(frame.image, frame.pts, frame.duration);
+    writer.finish();
+    expect_success(knotreel({"vectorize", path("phone.mp4"), "-o", document_, "--preset", "fast"}));
+    for (const std::string& file : {path("phone.mp4"), document_}) {
+      const std::string text = knotreel({"info", file}).out;
+      EXPECT_NE(text.find("\nrotation        shown " + shown.text + "\n"), std::string::npos) << text;
+      const json facts = json::parse(knotreel({"info", file, "--json"}).out);
+      EXPECT_NEAR(std::remainder(facts["rotation"].get<double>() - shown.degrees, 360), 0, 1e-3);
+      EXPECT_EQ(facts["mirrored"], shown.mirrored);
+    }
+  }
+  EXPECT_EQ(knotreel({"info", clip_}).out.find("rotation"), std::string::npos);
+}
+
 TEST_F(CliVideo, InterlacedVideosAreDeinterlacedAndSaidToBe) {
   // Two frames of 32x24, whose odd lines are of another brightness in the second.
   const std::string lines = std::string(32, '\x40') + std::string(32, '\x40');

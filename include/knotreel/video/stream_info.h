@@ -64,8 +64,12 @@ struct StreamInfo {
   bool still = false;        ///< a single picture
 };
 
-/// By how much a player turns the pictures clockwise, -180 to 180 degrees.
+/// By how much a player turns the pictures clockwise, -180 to 180 degrees; mirrored ones are mirrored left to
+/// right before that.
 double rotation_degrees(const StreamInfo& info);
+
+/// Whether a player shows the pictures mirrored.
+bool is_mirrored(const StreamInfo& info);
 
 /// The shape of pixels that shows a stream's pictures as wide as they are, brought to another size. Square
 /// ones stay so: who asks for another shape of pictures wants to see it. Nor do they change for what a size

@@ -76,6 +76,7 @@ std::string counts_text(const Facts& facts) {
 Facts document_facts(const std::string& path) {
   document::Reader reader = open_document(path);
   const document::SequenceInfo& info = reader.info();
+  const video::StreamInfo stream = pipeline::stream_info(info);
   Facts frames = Facts::array();
   std::uint64_t groups = 0;
   for (std::size_t i = 0; i < reader.frame_count(); ++i) {
@@ -89,8 +90,10 @@ Facts document_facts(const std::string& path) {
           {"height", info.height},
           {"channels", info.channels},
           {"degree", info.degree},
+          {"rotation", video::rotation_degrees(stream)},
+          {"mirrored", video::is_mirrored(stream)},
           {"time_base", {info.time_base_num, info.time_base_den}},
-          {"frame_rate", rational_facts(pipeline::stream_info(info).frame_rate)},
+          {"frame_rate", rational_facts(stream.frame_rate)},
           {"frame_count", frames.size()},
           {"groups", groups},
           {"seconds", duration_of(reader)},
@@ -115,7 +118,7 @@ std::string document_text(const std::string& path, const Facts& facts) {
   std::string text = fmt::format(
       "{}: knotreel vector document\n"
       "size            {}x{}, {}\n"
-      "{}"
+      "{}{}"
       "state           {}\n"
       "degree          {}\n"
       "knots           {}\n"
@@ -123,7 +126,7 @@ std::string document_text(const std::string& path, const Facts& facts) {
       "raw accounting  {} bytes (20 per control point, 8 per knot, 6 per triangle)\n"
       "file            {} bytes{}\n",
       path, facts["width"].get<int>(), facts["height"].get<int>(),
-      channels_name(facts["channels"].get<int>()), counts_text(facts),
+      channels_name(facts["channels"].get<int>()), turn_text(facts), counts_text(facts),
       facts["complete"].get<bool>() ? "complete" : "truncated: read up to the last whole frame",
       facts["degree"].get<int>(), counts("knots", "knots_per_frame"),
       counts("control_points", "control_points_per_frame"),

@@ -21,6 +21,10 @@ std::string video_text(const std::string& path, const Facts& facts);
 /// "grey", "RGB" and so on.
 std::string channels_name(int channels);
 
+/// How players show the pictures of a video, or of a document made of one: a line; empty if as they are.
+/// @param facts  with members rotation and mirrored.
+std::string turn_text(const Facts& facts);
+
 /// [num, den], or null if it is not known.
 Facts rational_facts(video::Rational value);
 /// "25", "29.97 (30000/1001)"; "unknown".

@@ -1,5 +1,6 @@
 #include <fmt/core.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "cli/info/facts.h"
@@ -79,6 +80,17 @@ std::string rate_text(const Facts& rational) {
   return fmt::format("{:.3f} ({}/{})", double(num) / double(den), num, den);
 }
 
+std::string turn_text(const Facts& facts) {
+  const double degrees = facts["rotation"].get<double>();
+  const std::string turned = fmt::format("{:g} degrees clockwise", degrees);
+  std::string how = degrees == 0 ? "" : turned;
+  if (facts["mirrored"].get<bool>()) {
+    how = std::abs(degrees) == 180 ? "mirrored top to bottom" : "mirrored left to right";
+    if (degrees != 0 && std::abs(degrees) != 180) how += ", then " + turned;
+  }
+  return how.empty() ? how : "rotation        shown " + how + "\n";
+}
+
 Facts video_facts(const std::string& path) {
   video::ReadOptions options;
   options.copy_streams = false;
@@ -96,6 +108,7 @@ Facts video_facts(const std::string& path) {
           {"first_field", fields_facts(info.fields)},
           {"sample_aspect", rational_facts(info.sample_aspect)},
           {"rotation", video::rotation_degrees(info)},
+          {"mirrored", video::is_mirrored(info)},
           {"time_base", {info.time_base.num, info.time_base.den}},
           {"frame_rate", rational_facts(info.frame_rate)},
           {"frames", info.frames},
@@ -119,9 +132,7 @@ std::string video_text(const std::string& path, const Facts& facts) {
       length_text(facts));
   if (!facts["first_field"].is_null())
     text += fmt::format("interlaced      {} field first\n", facts["first_field"].get<std::string>());
-  if (const double degrees = facts["rotation"].get<double>(); degrees != 0) {
-    text += fmt::format("rotation        shown {:g} degrees clockwise\n", degrees);
-  }
+  text += turn_text(facts);
   if (!facts["sample_aspect"].is_null() && facts["sample_aspect"][0] != facts["sample_aspect"][1]) {
     text += fmt::format("sample aspect   {}:{}\n", facts["sample_aspect"][0].get<std::int64_t>(),
                         facts["sample_aspect"][1].get<std::int64_t>());
