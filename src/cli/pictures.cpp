@@ -1,6 +1,7 @@
 #include "cli/pictures.h"
 
 #include <algorithm>
+#include <cmath>
 #include <string>
 #include <utility>
 #include <vector>
@@ -15,6 +16,7 @@
 #include "knotreel/image/read_image.h"
 #include "knotreel/pipeline/sequence.h"
 #include "knotreel/video/picture_list.h"
+#include "knotreel/vectorize/vectorize.h"
 #include "knotreel/video/reader.h"
 
 namespace knotreel::cli {
@@ -93,6 +95,16 @@ void stream_rendering(const raster::Renderer& renderer, const image::Background&
     parallel_for(2, [&](std::size_t task) {
       if (task == 0) {
         renderer.rows(top, top + next.rows, next.samples);
+image::Image read_source(const std::filesystem::path& path, image::ImageFileInfo* info) {
+  image::Image image = image::read_image(path, info);
+  const auto is_large = [](float sample) { return std::abs(sample) > vectorize::kLargestSample; };
+  if (std::ranges::any_of(image.samples, is_large)) {
+    throw Error(ErrorKind::kInput,
+                cannot_read(path, "image") + "it holds samples of more than 10000 times white");
+  }
+  return image;
+}
+
       } else {
         image::put_on_background(ready.samples, renderer.channels(), background);
         writer.write(ready.samples, ready.rows);

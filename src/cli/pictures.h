@@ -9,6 +9,7 @@
 #include "knotreel/image/background.h"
 #include "knotreel/image/image.h"
 #include "knotreel/image/write_image.h"
+#include "knotreel/image/read_image.h"
 #include "knotreel/raster/render.h"
 #include "knotreel/video/turn.h"
 
@@ -35,6 +36,10 @@ void warn_if_cut_short(const std::string& path, const document::Reader& reader);
 void warn_of_other_frames(const std::string& path, const document::Reader& reader, bool told);
 
 /// Renders in bands and hands them to the writer, which works while the next band is rendered. Memory: two
+/// A picture to be made a document of. @param info  filled in if not null.
+/// @throws Error{kInput} as image::read_image(), and for samples that documents have no room for.
+image::Image read_source(const std::filesystem::path& path, image::ImageFileInfo* info = nullptr);
+
 /// bands of about a million pixels. The bits do not depend on the number of threads.
 /// @throws Error{kInterrupted} after a signal.
 void stream_rendering(const raster::Renderer& renderer, const image::Background& background,

@@ -1,11 +1,24 @@
 #include "cli/still_document.h"
 
+#include <algorithm>
 #include <sstream>
 #include <utility>
 
 #include "knotreel/document/writer.h"
 
 namespace knotreel::cli {
+
+namespace {
+
+/// What a fit makes of noise that is thousands of times as bright as white may be beyond what a document
+/// holds: 2^31 / 255 steps, here of two levels.
+document::FrameModel within_bounds(document::FrameModel model) {
+  constexpr double kLargest = 16e6;
+  for (double& colour : model.colour) colour = std::clamp(colour, -kLargest, kLargest);
+  return model;
+}
+
+}  // namespace
 
 StillDocument still_document(const image::Image& image, const document::FrameModel& model) {
   document::SequenceInfo info;
@@ -15,7 +28,7 @@ StillDocument still_document(const image::Image& image, const document::FrameMod
   info.degree = model.space->degree();
   std::ostringstream bytes;
   document::Writer writer(bytes, info, {.rename_knots = true});
-  document::FrameModel stored = writer.append(model);
+  document::FrameModel stored = writer.append(within_bounds(model));
   writer.finish();
   return {std::move(bytes).str(), std::move(stored)};
 }

@@ -125,7 +125,7 @@ void vectorize_picture(const VectorizeArguments& arguments) {
   const ThreadCap cap(arguments.threads);
   StageTimer timer;
   image::ImageFileInfo source;
-  const image::Image image = image::read_image(arguments.input, &source);
+  const image::Image image = read_source(arguments.input, &source);
   if (source.colour_profile) {
     warn(fmt::format("{} has a colour profile, which is not applied: colours are taken as they are stored",
                      arguments.input));

@@ -5,6 +5,7 @@
 #include <cstdint>
 
 #include "knotreel/base/error.h"
+#include "knotreel/vectorize/vectorize.h"
 
 namespace knotreel::vectorize {
 
@@ -17,6 +18,8 @@ void check_picture(const image::Image& picture) {
   for (const float sample : picture.samples)
     largest = std::max(largest, std::bit_cast<std::uint32_t>(sample) & kWithoutSign);
   if (largest >= kInfinity) refuse("cannot vectorize a picture with samples that are not finite");
+  if (largest > std::bit_cast<std::uint32_t>(kLargestSample))
+    refuse("cannot vectorize a picture with samples of more than 10000 times white");
 }
 
 }  // namespace knotreel::vectorize

@@ -4,7 +4,8 @@
 
 namespace knotreel::vectorize {
 
-/// @throws Error{kInvalidArgument} if it has no pixels, or samples that are not finite.
+/// @throws Error{kInvalidArgument} if it has no pixels, or samples that are not finite or beyond
+/// kLargestSample.
 void check_picture(const image::Image& picture);
 
 }  // namespace knotreel::vectorize

@@ -1,3 +1,4 @@
+#include <filesystem>
 #include <fstream>
 
 #include "knotreel/image/metrics.h"
@@ -143,6 +144,37 @@ TEST(CliHostile, HugePicturesAreExit3BeforeMemoryIsAsked) {
   for (const char* name : {"huge.png", "wide.png", "huge.ppm", "overflow.pgm", "nothing.ppm"}) {
     expect_refused(dir, name);
   }
+}
+
+/// Documents have no room for what is far beyond white.
+TEST(CliPictures, SamplesBeyondAllBoundsAreExit3AtOnce) {
+  const test::TempDir dir;
+  const auto vectorize = [&](float factor) {
+    image::Image image = test::sharp_picture(40, 30, 3);
+    for (float& sample : image.samples) sample *= factor;
+    image.at(3, 4, 1) = -255 * factor;
+    image.at(30, 20, 0) = 255 * factor;
+    image::write_image(dir / "large.pfm", image, image::SampleType::f32);
+    return test::knotreel({"vectorize", (dir / "large.pfm").string(), "-o", (dir / "o.tcb").string(), "-q"});
+  };
+  for (const float factor : {1.0F, 300.0F, 9999.0F}) test::expect_success(vectorize(factor));
+  // Control colours of noise are far beyond its samples.
+  image::Image noise = image::make_image(16, 12, 3);
+  for (std::size_t i = 0; i < noise.samples.size(); ++i) noise.samples[i] = i * i % 7 < 3 ? -2.5e6F : 2.5e6F;
+  image::write_image(dir / "noise.pfm", noise, image::SampleType::f32);
+  test::expect_success(
+      test::knotreel({"vectorize", (dir / "noise.pfm").string(), "-o", (dir / "o.tcb").string(), "-q"}));
+  std::filesystem::remove(dir / "o.tcb");
+  for (const float factor : {10001.0F, 1e6F, 1e30F}) {
+    const auto result = vectorize(factor);
+    test::expect_failure(result, 3);
+    EXPECT_NE(result.err.find("large.pfm"), std::string::npos) << result.err;
+    std::filesystem::create_directory(dir / "in");
+    std::filesystem::copy_file(dir / "large.pfm", dir / "in/large.pfm",
+                               std::filesystem::copy_options::overwrite_existing);
+    EXPECT_EQ(test::knotreel({"batch", (dir / "in").string(), "-o", (dir / "out").string()}).exit_code, 3);
+  }
+  EXPECT_FALSE(std::filesystem::exists(dir / "o.tcb"));
 }
 
 }  // namespace

@@ -79,11 +79,15 @@ struct Vectorization {
   Fitted fitted;
 };
 
+/// Largest sample that a picture may have, in magnitude: 10,000 times white. Documents hold control colours
+/// up to six times that.
+inline constexpr float kLargestSample = 2'550'000;
+
 /// Vectorizes a picture of any size with 1 to 4 channels. Deterministic: the same for any number of threads.
 /// Memory: about 600 bytes per pixel for a picture of half a megapixel, 320 for one of 25 (8 GB), 1400 on a
 /// fine grid.
-/// @throws Error{kInvalidArgument} for an empty picture, samples that are not finite, or options out of
-/// range.
+/// @throws Error{kInvalidArgument} for an empty picture, samples that are not finite or beyond
+/// kLargestSample, or options out of range.
 Vectorization vectorize_picture(const image::Image& picture, const Options& options = {},
                                 const Observer& observer = {});
 

@@ -25,7 +25,7 @@ void make_folder_of(const std::string& path) {
 
 Figures PictureJob::run(const Item& item, Room& room) const {
   check_interrupted();
-  const image::Image image = image::read_image(item.input);
+  const image::Image image = read_source(item.input);
   make_folder_of(item.output);
   const vectorize::Options options = effective_options(options_, image.pixel_count());
   const Room::Stay stay = room.enter(double(image.pixel_count()) > alone_above_);
