@@ -1,6 +1,7 @@
 #include <fmt/core.h>
 
 #include <memory>
+#include <optional>
 
 #include "cli/command.h"
 #include "cli/compare_videos.h"
@@ -18,7 +19,8 @@ struct CompareArguments {
   std::string a;
   std::string b;
   std::uint64_t frame = 0;
-  bool one_frame = false;  ///< --frame was given
+  bool one_frame = false;     ///< --frame was given
+  bool deinterlaces = false;  ///< --deinterlace was given
   std::string deinterlace = "auto";
   std::string filter;
   std::string stats;
@@ -28,8 +30,10 @@ struct CompareArguments {
 
 void compare_pictures(const CompareArguments& arguments) {
   const ThreadCap cap(arguments.threads);
-  const image::Image a = load_picture(arguments.a, arguments.frame);
-  const image::Image b = load_picture(arguments.b, arguments.frame);
+  const std::optional<std::uint64_t> frame =
+      arguments.one_frame ? std::optional(arguments.frame) : std::nullopt;
+  const image::Image a = load_picture(arguments.a, frame);
+  const image::Image b = load_picture(arguments.b, frame);
   const image::ImageMetrics metrics = image::compare_images(a, b);
   if (arguments.json) {
     nlohmann::ordered_json json{{"width", a.width}, {"height", a.height}};
@@ -46,14 +50,34 @@ void compare_pictures(const CompareArguments& arguments) {
                        a.width, a.height, metrics.mec, metrics.rmse, psnr_text(metrics.psnr), metrics.ssim));
 }
 
+[[noreturn]] void refuse_option(const std::string& why) {
+  throw Error(ErrorKind::kInvalidArgument, why);
+}
+
+/// Options that would be without effect are refused: figures do not show that nothing was done.
+void check_stills(const CompareArguments& arguments) {
+  if (!arguments.stats.empty()) refuse_option("--stats is for videos");
+  if (!arguments.filter.empty()) refuse_option("--filter is for videos");
+  if (arguments.deinterlaces) refuse_option("--deinterlace is for videos");
+}
+
+void check_reading(const CompareArguments& arguments) {
+  const bool draws_a = is_document(arguments.a);
+  if (draws_a && !arguments.filter.empty())
+    refuse_option("--filter is for the video A, and '" + arguments.a + "' is a document");
+  if (draws_a && is_document(arguments.b) && arguments.deinterlaces)
+    refuse_option("--deinterlace is for videos, and both are documents");
+}
+
 void compare(const CompareArguments& arguments) {
   check_paths({arguments.a, arguments.b}, {{arguments.stats}});
   for (const std::string& path : {arguments.a, arguments.b}) {
     if (arguments.one_frame && !is_document(path) && has_frames(path))
-      throw Error(ErrorKind::kInvalidArgument, "--frame is for documents, and '" + path + "' is a video");
+      refuse_option("--frame is for documents, and '" + path + "' is a video");
   }
   const bool videos = !arguments.one_frame && (has_frames(arguments.a) || has_frames(arguments.b));
   if (videos) {
+    check_reading(arguments);
     compare_videos({.reference = arguments.a,
                     .result = arguments.b,
                     .deinterlace = arguments.deinterlace,
@@ -62,8 +86,7 @@ void compare(const CompareArguments& arguments) {
                     .json = arguments.json,
                     .threads = arguments.threads});
   } else {
-    if (!arguments.stats.empty()) throw Error(ErrorKind::kInvalidArgument, "--stats is for videos");
-    if (!arguments.filter.empty()) throw Error(ErrorKind::kInvalidArgument, "--filter is for videos");
+    check_stills(arguments);
     compare_pictures(arguments);
   }
 }
@@ -84,7 +107,11 @@ void add_compare_command(CLI::App& program) {
   CLI::App* command = program.add_subcommand(
       "compare", "Measure how far two pictures, videos or documents are apart: MEC, PSNR, SSIM");
   const auto arguments = std::make_shared<CompareArguments>();
-  command->add_option("A", arguments->a, "Picture, video or document")->type_name("")->required();
+  command
+      ->add_option("A", arguments->a,
+                   "Picture, video or document; '-': picture or document on standard\ninput")
+      ->type_name("")
+      ->required();
   command->add_option("B", arguments->b, "Picture, video or document")->type_name("")->required();
   add_frame_option(*command, arguments->frame, "Only this frame of documents, counted from 0");
   command
@@ -102,6 +129,7 @@ void add_compare_command(CLI::App& program) {
   command->footer(kCompareFooter);
   command->callback([arguments, command] {
     arguments->one_frame = command->count("--frame") > 0;
+    arguments->deinterlaces = command->count("--deinterlace") > 0;
     compare(*arguments);
   });
 }

@@ -3,12 +3,14 @@
 #include <fmt/core.h>
 
 #include <cmath>
+#include <optional>
 
 #include "cli/command.h"
 #include "cli/frame_source.h"
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
 #include "knotreel/base/error.h"
+#include "knotreel/base/output_file.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/image/metrics.h"
 #include "knotreel/motion/flow.h"
@@ -131,15 +133,18 @@ void compare_videos(const CompareVideos& arguments) {
   const auto result = open_frames(arguments.result, reading);
   reading.filter = arguments.filter;
   const auto reference = open_frames(arguments.reference, reading);
+  std::optional<OutputFile> stats;
+  if (!arguments.stats.empty()) stats.emplace(arguments.stats);  // first: better to fail before the work
   Comparison comparison;
   const auto size = compare_all(*reference, *result, comparison);
   if (comparison.frames() == 0) throw Error(ErrorKind::kInput, "there are no frames to compare");
   warn_of(arguments.reference, reference->warnings());
   warn_of(arguments.result, result->warnings());
   Json json = figures_json(comparison, size);
-  if (!arguments.stats.empty()) {
+  if (stats) {
     json["rows"] = comparison.rows_json();
-    write_text(arguments.stats, json.dump(2) + "\n");
+    stats->write(json.dump(2) + "\n");
+    stats->commit();
     json.erase("rows");
   }
   if (arguments.stats == "-") return;

@@ -54,7 +54,6 @@ class Documents {
     for (std::size_t i = 0; i < names_.size(); ++i) {
       check_interrupted();
       document::Reader reader = open_document(names_[i]);
-      warn_if_cut_short(names_[i], reader);
       contents_.push_back(pipeline::contents_of(reader, names_[i]));
       std::error_code ignored;
       if (!fs::is_regular_file(names_[i], ignored)) open_[i] = std::move(reader);
@@ -64,7 +63,7 @@ class Documents {
   const std::vector<pipeline::Contents>& contents() const { return contents_; }
 
   document::Reader reader(std::size_t document) {
-    return open_[document] ? std::move(*open_[document]) : open_document(names_[document]);
+    return open_[document] ? std::move(*open_[document]) : open_document_silently(names_[document]);
   }
 
  private:

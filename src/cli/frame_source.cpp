@@ -1,5 +1,6 @@
 #include "cli/frame_source.h"
 
+#include <algorithm>
 #include <array>
 #include <filesystem>
 #include <utility>
@@ -11,6 +12,9 @@
 
 namespace knotreel::cli {
 namespace {
+
+// "\x89TCB"
+constexpr std::array kMagic{std::byte{0x89}, std::byte{'T'}, std::byte{'C'}, std::byte{'B'}};
 
 class VideoFrames : public FrameSource {
  public:
@@ -57,10 +61,11 @@ class DocumentFrames : public FrameSource {
 bool is_document(const std::string& path) {
   std::error_code ignored;
   if (path != "-" && !std::filesystem::is_regular_file(path, ignored)) return false;
-  const std::vector<std::byte> start = path == "-" ? peek_standard_input(4) : read_start(path, 4);
-  // "\x89TCB"
-  constexpr std::array kMagic{std::byte{0x89}, std::byte{'T'}, std::byte{'C'}, std::byte{'B'}};
-  return std::equal(start.begin(), start.end(), kMagic.begin(), kMagic.end());
+  return begins_document(path == "-" ? peek_standard_input(kMagic.size()) : read_start(path, kMagic.size()));
+}
+
+bool begins_document(std::span<const std::byte> bytes) {
+  return bytes.size() >= kMagic.size() && std::equal(kMagic.begin(), kMagic.end(), bytes.begin());
 }
 
 bool has_frames(const std::string& path) {

@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "cli/video_options.h"
@@ -19,8 +21,12 @@ class FrameSource {
   virtual std::vector<std::string> warnings() const { return {}; }
 };
 
-/// Whether a file begins as documents do.
+/// Whether a file begins as documents do, or what is to come from standard input. Named pipes, which cannot
+/// be looked at, do not.
 bool is_document(const std::string& path);
+
+/// Whether these are the first bytes of one, or all.
+bool begins_document(std::span<const std::byte> bytes);
 
 /// Whether a file holds several frames: a video, or a document with more than one.
 bool has_frames(const std::string& path);

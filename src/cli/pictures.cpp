@@ -8,6 +8,7 @@
 
 #include "cli/command.h"
 #include "cli/file_names.h"
+#include "cli/frame_source.h"
 #include "cli/interrupt.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/input_file.h"
@@ -15,8 +16,8 @@
 #include "knotreel/image/format.h"
 #include "knotreel/image/read_image.h"
 #include "knotreel/pipeline/sequence.h"
-#include "knotreel/video/picture_list.h"
 #include "knotreel/vectorize/vectorize.h"
+#include "knotreel/video/picture_list.h"
 #include "knotreel/video/reader.h"
 
 namespace knotreel::cli {
@@ -36,28 +37,43 @@ struct Band {
 };
 
 /// What comes through a pipe can be read once.
-bool is_named_pipe(const std::filesystem::path& path) {
+bool is_pipe(const std::filesystem::path& path) {
   std::error_code ignored;
-  return std::filesystem::is_fifo(path, ignored);
+  return path == "-" || std::filesystem::is_fifo(path, ignored);
+}
+
+std::string name_of_pipe(const std::filesystem::path& path) {
+  return path == "-" ? "standard input" : path.string();
+}
+
+void warn_if_cut_short(const std::filesystem::path& path, const document::Reader& reader) {
+  if (reader.complete()) return;
+  const std::string name = path == "-" ? "standard input" : "'" + path.string() + "'";
+  warn(name + " is cut short: read up to its last whole frame");
 }
 
 }  // namespace
 
 bool is_picture(const std::filesystem::path& path) {
-  if (path == "-" || is_named_pipe(path)) return true;
+  if (is_pipe(path)) return true;
   const std::vector<std::byte> start = read_start(path, video::kPictureStart);
   if (image::detect_format(start)) return video::holds_one_picture(start, path.string());
   return has_picture_name(path);
 }
 
-document::Reader open_document(const std::filesystem::path& path) {
+document::Reader open_document_silently(const std::filesystem::path& path) {
   if (video::means_pictures(path)) {
     throw Error(ErrorKind::kInput, "'" + path.string() + "' is no document; 'knotreel copy " + path.string() +
                                        " -o x.tcb' makes one of several");
   }
-  if (path != "-" && !is_named_pipe(path)) return document::Reader::open(path);
-  const std::string name = path == "-" ? "standard input" : path.string();
-  return document::Reader::open(read_whole(path, kMaxPipedBytes, "document"), name);
+  if (!is_pipe(path)) return document::Reader::open(path);
+  return document::Reader::open(read_whole(path, kMaxPipedBytes, "document"), name_of_pipe(path));
+}
+
+document::Reader open_document(const std::filesystem::path& path) {
+  document::Reader reader = open_document_silently(path);
+  warn_if_cut_short(path, reader);
+  return reader;
 }
 
 Turn turn_of(const document::Reader& reader) {
@@ -73,14 +89,20 @@ document::FrameModel read_frame(document::Reader& reader, std::uint64_t frame) {
   return reader.read(frame);
 }
 
-void warn_if_cut_short(const std::string& path, const document::Reader& reader) {
-  if (!reader.complete()) warn("'" + path + "' is cut short: read up to its last whole frame");
-}
-
 void warn_of_other_frames(const std::string& path, const document::Reader& reader, bool told) {
   if (told || reader.frame_count() <= 1) return;
   warn_of(path, {"only the first of " + std::to_string(reader.frame_count()) +
                  " frames is drawn; --frame takes another one, a name with %04d all"});
+}
+
+image::Image read_source(const std::filesystem::path& path, image::ImageFileInfo* info) {
+  image::Image image = image::read_image(path, info);
+  const auto is_large = [](float sample) { return std::abs(sample) > vectorize::kLargestSample; };
+  if (std::ranges::any_of(image.samples, is_large)) {
+    throw Error(ErrorKind::kInput,
+                cannot_read(path, "image") + "it holds samples of more than 10000 times white");
+  }
+  return image;
 }
 
 void stream_rendering(const raster::Renderer& renderer, const image::Background& background,
@@ -95,16 +117,6 @@ void stream_rendering(const raster::Renderer& renderer, const image::Background&
     parallel_for(2, [&](std::size_t task) {
       if (task == 0) {
         renderer.rows(top, top + next.rows, next.samples);
-image::Image read_source(const std::filesystem::path& path, image::ImageFileInfo* info) {
-  image::Image image = image::read_image(path, info);
-  const auto is_large = [](float sample) { return std::abs(sample) > vectorize::kLargestSample; };
-  if (std::ranges::any_of(image.samples, is_large)) {
-    throw Error(ErrorKind::kInput,
-                cannot_read(path, "image") + "it holds samples of more than 10000 times white");
-  }
-  return image;
-}
-
       } else {
         image::put_on_background(ready.samples, renderer.channels(), background);
         writer.write(ready.samples, ready.rows);
@@ -120,10 +132,33 @@ image::Image render_whole(const document::FrameModel& model, const raster::Rende
   return raster::Renderer(model, options).whole();
 }
 
-image::Image load_picture(const std::filesystem::path& path, std::uint64_t frame) {
+namespace {
+
+/// As it is shown.
+image::Image draw_frame(document::Reader& reader, std::uint64_t frame) {
+  return video::turned(render_whole(read_frame(reader, frame), {}), turn_of(reader));
+}
+
+/// Read first and looked at then: what comes through a pipe may be either.
+image::Image load_piped(const std::filesystem::path& path, const std::optional<std::uint64_t>& frame) {
+  std::vector<std::byte> bytes = read_whole(path, kMaxPipedBytes, "picture or document");
+  if (!begins_document(bytes)) return image::read_image(bytes, path);
+  document::Reader reader = document::Reader::open(std::move(bytes), name_of_pipe(path));
+  warn_if_cut_short(path, reader);
+  if (!frame && reader.frame_count() > 1) {
+    warn_of(path, {"only the first of " + std::to_string(reader.frame_count()) +
+                   " frames is compared, since it comes through a pipe; --frame takes another one"});
+  }
+  return draw_frame(reader, frame.value_or(0));
+}
+
+}  // namespace
+
+image::Image load_picture(const std::filesystem::path& path, const std::optional<std::uint64_t>& frame) {
+  if (is_pipe(path)) return load_piped(path, frame);
   if (is_picture(path)) return image::read_image(path);
   document::Reader reader = open_document(path);
-  return video::turned(render_whole(read_frame(reader, frame), {}), turn_of(reader));
+  return draw_frame(reader, frame.value_or(0));
 }
 
 }  // namespace knotreel::cli

@@ -162,7 +162,6 @@ void check_video(const RenderArguments& arguments) {
 
 void render_video(const RenderArguments& arguments, document::Reader& reader) {
   pipeline::RenderJob job = make_job(arguments, reader);
-  warn_if_cut_short(arguments.input, reader);
   std::optional<video::VideoReader> copied = open_copied(arguments);
   if (copied) job.copied = &*copied;
   const video::Rational ticks = pipeline::stream_info(reader.info()).time_base;

@@ -50,7 +50,10 @@ void check_size(std::uint64_t width, std::uint64_t height) {
 }
 
 Image read_image(const std::filesystem::path& path, ImageFileInfo* info) {
-  const std::vector<std::byte> file = read_whole(path, kMaxFileBytes, "image");
+  return read_image(read_whole(path, kMaxFileBytes, "image"), path, info);
+}
+
+Image read_image(std::span<const std::byte> file, const std::filesystem::path& path, ImageFileInfo* info) {
   const auto error = [&](const std::string& why) {
     return Error(ErrorKind::kInput, cannot_read(path, "image") + why);
   };

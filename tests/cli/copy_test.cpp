@@ -114,6 +114,36 @@ TEST(CliCopy, CommandsForOneDocumentTellOfItWhenGivenSeveral) {
   EXPECT_NE(result.err.find("knotreel copy"), std::string::npos);
 }
 
+/// As a kill leaves it: without its end, or without its last frame.
+TEST(CliCutShort, EveryCommandTellsItOnce) {
+  const CopySample sample;
+  const std::string cut = sample.path("cut.tcb");
+  const std::string whole = read_text(sample.document);
+  test::write_text(cut, whole.substr(0, whole.size() - 30));
+  const std::string warning =
+      "knotreel: warning: '" + cut + "' is cut short: read up to its last whole frame\n";
+  const std::vector<std::vector<std::string>> commands{
+      {"render", cut, "-o", sample.path("o.png"), "--frame", "1"},
+      {"render", cut, "-f", "hash"},
+      {"export", cut, "-o", sample.path("o.svg"), "--frame", "1"},
+      {"export", cut, "-o", sample.path("o_%d.svg")},
+      {"dump", cut, "-o", sample.path("o.json")},
+      {"compare", sample.path("in_%d.png"), cut},
+      {"compare", cut, sample.document},
+      {"compare", sample.path("in_1.png"), cut, "--frame", "1"},
+      {"copy", cut, "-o", sample.path("o.tcb")},
+      {"copy", cut, sample.document, "-o", sample.path("two.tcb")}};
+  for (const auto& command : commands) {
+    SCOPED_TRACE(testing::PrintToString(command));
+    const auto result = test::knotreel(command);
+    EXPECT_EQ(result.exit_code, 0);
+    EXPECT_EQ(result.err, warning);
+  }
+  const auto piped = test::knotreel({"dump", "-", "-o", sample.path("o.json")}, {.input = read_text(cut)});
+  EXPECT_EQ(piped.err, "knotreel: warning: standard input is cut short: read up to its last whole frame\n");
+  expect_success(test::knotreel({"info", cut}));  // which has a line for it
+}
+
 TEST(CliCopy, StillsOfOneDurationHaveARate) {
   const CopySample sample;
   sample.copy({sample.document, "--split", sample.path("frames")});

@@ -115,6 +115,12 @@ TEST(CliInput, PicturesAndDocumentsComeThroughNamedPipes) {
   through_pipe(sample.picture, {"compare", pipe, sample.picture});
   EXPECT_NE(through_pipe(sample.picture, {"info", pipe}).find("PNG"), std::string::npos);
   EXPECT_NE(through_pipe(sample.document, {"info", pipe}).find("document"), std::string::npos);
+  const auto compared = through_pipe(sample.document, {"compare", sample.picture, pipe});
+  EXPECT_EQ(compared, test::knotreel({"compare", sample.picture, sample.document}).out);
+  EXPECT_EQ(compared, through_pipe(sample.picture, {"compare", pipe, sample.document}));
+  const auto piped = test::knotreel({"compare", sample.picture, "-"}, {.input = read_text(sample.document)});
+  expect_success(piped);
+  EXPECT_EQ(compared, piped.out);
   through_pipe(sample.document, {"render", pipe, "-o", sample.path("a.png")});
   expect_success(test::knotreel({"render", sample.document, "-o", sample.path("b.png")}));
   EXPECT_TRUE(read_text(sample.path("a.png")) == read_text(sample.path("b.png")));

@@ -782,6 +782,31 @@ TEST_F(CliVideo, FiltersComeBeforeAnythingElse) {
   EXPECT_FALSE(std::filesystem::exists(path("no.mkv")));
 }
 
+TEST_F(CliVideo, CompareRefusesWhatWouldBeWithoutEffect) {
+  vectorize();
+  image::write_image(path("a.png"), test::smooth_picture(64, 48, 3));
+  const auto refused = [&](const std::vector<std::string>& command, const std::string& why) {
+    SCOPED_TRACE(testing::PrintToString(command));
+    const auto result = knotreel(command);
+    expect_failure(result, 2);
+    EXPECT_NE(result.err.find(why), std::string::npos) << result.err;
+  };
+  refused({"compare", document_, clip_, "--filter", "hflip"},
+          "--filter is for the video A, and '" + document_ + "' is a document");
+  refused({"compare", document_, document_, "--deinterlace", "all"}, "both are documents");
+  refused({"compare", path("a.png"), path("a.png"), "--deinterlace", "all"}, "--deinterlace is for videos");
+  expect_success(knotreel({"compare", document_, clip_, "--deinterlace", "no"}));
+}
+
+TEST_F(CliVideo, CompareOpensItsStatsBeforeTheWork) {
+  // What comes after would be told otherwise: there are no frames of equal size.
+  std::filesystem::create_directory(path("small"));
+  image::write_image(path("small/a.png"), test::smooth_picture(32, 24, 3));
+  expect_failure(knotreel({"compare", clip_, path("small"), "--stats", path("missing/s.json")}), 4);
+  expect_failure(knotreel({"compare", clip_, path("small"), "--stats", path("s.json")}), 2);
+  EXPECT_FALSE(std::filesystem::exists(path("s.json")));
+}
+
 TEST_F(CliVideo, InfoTellsMirroredFromTurned) {
   struct Shown {
     std::int32_t right_x, right_y, down_x, down_y;

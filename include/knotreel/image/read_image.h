@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstddef>
 #include <filesystem>
+#include <span>
 
 #include "knotreel/image/format.h"
 #include "knotreel/image/image.h"
@@ -26,5 +28,9 @@ struct ImageFileInfo {
 /// the memory. Safe to call from several threads. While a JPEG, WebP or BMP is decoded, the standard
 /// error of the process is mute, because the codecs would print there.
 Image read_image(const std::filesystem::path& path, ImageFileInfo* info = nullptr);
+
+/// The same for one that has been read already. @param path  where from, for messages.
+Image read_image(std::span<const std::byte> file, const std::filesystem::path& path,
+                 ImageFileInfo* info = nullptr);
 
 }  // namespace knotreel::image

@@ -74,7 +74,7 @@ std::string counts_text(const Facts& facts) {
 }  // namespace
 
 Facts document_facts(const std::string& path) {
-  document::Reader reader = open_document(path);
+  document::Reader reader = open_document_silently(path);
   const document::SequenceInfo& info = reader.info();
   const video::StreamInfo stream = pipeline::stream_info(info);
   Facts frames = Facts::array();
