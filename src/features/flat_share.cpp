@@ -13,7 +13,8 @@ namespace knotreel::features {
 
 namespace {
 
-/// Pixels by their largest second difference along the row and the column, in any channel.
+/// Pixels by their largest second difference along the row and the column, in any channel. Alpha is one of
+/// them: where it bends, there is an edge to draw; where it does not, it changes nothing.
 struct Differences {
   std::size_t flat = 0;   ///< at most a level
   std::size_t small = 0;  ///< up to kSmall
@@ -75,7 +76,7 @@ Differences differences_of(const image::Image& image) {
 double ground_share(const image::Image& image, std::ptrdiff_t grounds) {
   constexpr int kBits = 5;  // of a channel
   constexpr int kRows = 512;
-  const int colours = std::min(image.channels, 3);
+  const int colours = image.colour_channels();
   std::vector<std::size_t> counts(std::size_t{1} << (kBits * colours));
   std::size_t pixels = 0;
   for (int y = 0; y < image.height; y += 1 + image.height / kRows) {

@@ -78,6 +78,10 @@ TEST(FlatShare, PagesAreToldFromFilmsByTheirGround) {
   for (int y = 49; y < 100; ++y)
     for (int x = 0; x < 100; ++x) bars.at(x, y, 0) = std::abs(bars.at(x, y, 0) - 220);
   EXPECT_FALSE(is_drawing(bars));
+  for (const int channels : {2, 3, 4}) {
+    EXPECT_TRUE(is_drawing(image::widen_channels(page, channels))) << channels;
+    EXPECT_FALSE(is_drawing(image::widen_channels(bars, channels))) << channels << ": alpha is no colour";
+  }
 }
 
 /// An engraving: lines of two pixels, so many rows apart.
