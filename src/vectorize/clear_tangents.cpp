@@ -43,9 +43,9 @@ class Tangents {
         image_(mesh.knot_slots()),
         joint_(mesh.knot_slots(), false) {
     for (std::size_t i = 0; i < curves.size(); ++i) find_ends(curves[i], mesh.segments()[segments[i]]);
-    for (std::size_t begin = 0, end = 0; begin < curves.size(); begin = end) {
-      while (end < curves.size() && segments[end] == segments[begin]) ++end;
-      add_segment(mesh.segments()[segments[begin]], curves.subspan(begin, end - begin));
+    const std::vector<std::vector<fit::CurvePoint>> points = by_segment(curves, segments);
+    for (std::size_t s = 0; s < points.size(); ++s) {
+      if (!points[s].empty()) add_segment(mesh.segments()[s], points[s]);
     }
     for (KnotIndex k = 0; k < at_.size(); ++k) {
       if (joint_[k] && at_[k].size() == 2) join(at_[k][0], at_[k][1]);
@@ -55,6 +55,20 @@ class Tangents {
   std::vector<std::vector<Tangent>> take() { return std::move(at_); }
 
  private:
+  /// The points of each segment, in their order. The first ones of a closed curve may be the end of its last
+  /// segment, whose others come last.
+  std::vector<std::vector<fit::CurvePoint>> by_segment(std::span<const fit::CurvePoint> curves,
+                                                       std::span<const std::uint32_t> segments) const {
+    std::vector<std::vector<fit::CurvePoint>> points(mesh_.segments().size());
+    for (std::size_t begin = 0, end = 0; begin < curves.size(); begin = end) {
+      while (end < curves.size() && segments[end] == segments[begin]) ++end;
+      const auto run = curves.subspan(begin, end - begin);
+      auto& all = points[segments[begin]];
+      all.insert(all.begin(), run.begin(), run.end());
+    }
+    return points;
+  }
+
   void find_ends(const fit::CurvePoint& point, const mesh::FeatureSegment& segment) {
     for (const KnotIndex end : {segment.knots.front(), segment.knots.back()}) {
       if (norm(point.parameter - mesh_.position(end)) >= 1e-9) continue;

@@ -14,8 +14,8 @@ namespace knotreel::vectorize {
 /// leaves a vertex along the tangent of a curve there, or between it and the segment, makes a face that folds
 /// when the curve is bent, as between things that stand in a row. Such edges are flipped where the picture
 /// does not mind; else a knot comes beside them, and they are flipped then.
-/// @param curves points of features, in their order along each segment. @param segments of the mesh, parallel
-/// to these.
+/// @param curves points of features, in their order along each segment; those of a closed feature may begin
+/// inside its last segment. @param segments of the mesh, parallel to these.
 /// @param inside knots inside segments, too, at which edges are flipped but no knots come beside them: a
 /// curve leaves its segment by little there.
 /// @param most knots to insert. @param min_distance of these from others, pixels.

@@ -109,6 +109,32 @@ TEST(ClearTangents, KnotsComeBesideThoseThatThePictureNeeds) {
   EXPECT_EQ(clear_tangents(mesh, two_colours(), row.curves, row.segments, true, 40, 1), 0U) << "it was done";
 }
 
+TEST(ClearTangents, ItDoesNotMatterWhereInASegmentAClosedCurveBegins) {
+  const Row row = row_of_circles();
+  constexpr std::ptrdiff_t kPoints = 48;  // of a circle
+  const auto cleared = [&](std::ptrdiff_t by) {
+    Row moved = row;
+    for (std::ptrdiff_t i = 0; i < std::ssize(moved.curves); i += kPoints) {
+      const auto curve = moved.curves.begin() + i;
+      const auto segments = moved.segments.begin() + i;
+      std::rotate(curve, curve + by, curve + kPoints);
+      std::rotate(segments, segments + by, segments + kPoints);
+    }
+    EditableMesh mesh(row.mesh);
+    clear_tangents(mesh, two_colours(), moved.curves, moved.segments, true, 40, 1);
+    return mesh.to_mesh();
+  };
+  const mesh::KnotMesh expected = cleared(0);
+  // Inside the segments that lead to the top of a circle and away from there, too.
+  for (const std::ptrdiff_t by : {3, 33, 34, 38, 39, 45}) {
+    const mesh::KnotMesh other = cleared(by);
+    EXPECT_EQ(other.faces, expected.faces) << by;
+    EXPECT_TRUE(
+        std::ranges::equal(other.knots, expected.knots, {}, &mesh::Knot::position, &mesh::Knot::position))
+        << by;
+  }
+}
+
 TEST(ClearTangents, InsertsNoMoreThanItMay) {
   const Row row = row_of_circles();
   for (const std::size_t most : {0, 1, 2}) {
