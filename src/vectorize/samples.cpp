@@ -83,8 +83,32 @@ std::vector<std::uint8_t> Samples::place_curves() {
   return crossed;
 }
 
-/// Pixels that features cross count little, with the colour of their side.
+void Samples::keep_colours(const std::vector<std::uint8_t>& crossed) {
+  const std::vector<float>& colours = mapped_.corrected.samples;
+  const auto channels = static_cast<std::size_t>(mapped_.corrected.channels);
+  for (std::size_t i = 0; i < crossed.size(); ++i) {
+    if (!crossed[i]) continue;
+    replaced_.pixels.push_back(i);
+    const float* const colour = colours.data() + i * channels;
+    replaced_.samples.insert(replaced_.samples.end(), colour, colour + channels);
+  }
+}
+
+void Samples::put_back_colours() {
+  const auto channels = static_cast<std::size_t>(mapped_.corrected.channels);
+  const float* colour = replaced_.samples.data();
+  for (const std::size_t i : replaced_.pixels) {
+    std::copy_n(colour, channels, mapped_.corrected.samples.data() + i * channels);
+    colour += channels;
+  }
+  replaced_ = {};
+}
+
+/// Pixels that features cross count little, with the colour of their side. Those that were crossed before,
+/// and are not now, have their own again.
 void Samples::weigh(const std::vector<std::uint8_t>& crossed, const mesh::KnotMesh& mesh) {
+  put_back_colours();
+  keep_colours(crossed);
   weights_.resize(places_.size());
   const std::vector<std::uint8_t> given = fit::clear_edge_colours(mapped_.corrected, places_, crossed, mesh);
   for (std::size_t i = 0; i < weights_.size(); ++i) {
@@ -102,6 +126,7 @@ void Samples::restore(State state) {
   mapped_.corrected = std::move(state.corrected);
   places_ = std::move(state.places);
   weights_ = std::move(state.weights);
+  replaced_ = std::move(state.replaced);
 }
 
 }  // namespace knotreel::vectorize

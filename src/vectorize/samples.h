@@ -42,13 +42,19 @@ class Samples {
 
   /// Goes over to the places that a geometry gives to the pixels. @param crossed as weigh().
   void move(std::vector<Vec2> places, const std::vector<std::uint8_t>& crossed, const mesh::KnotMesh& mesh);
+  /// Colours that pixels had before features that cross them gave them others.
+  struct Replaced {
+    std::vector<std::size_t> pixels;
+    std::vector<float> samples;
+  };
   /// What move() changes.
   struct State {
     image::Image corrected;
     std::vector<Vec2> places;
     std::vector<float> weights;
+    Replaced replaced;
   };
-  State state() const { return {mapped_.corrected, places_, weights_}; }
+  State state() const { return {mapped_.corrected, places_, weights_, replaced_}; }
   void restore(State state);
   /// Gives the places away.
   std::vector<Vec2> take_places() { return std::move(places_); }
@@ -57,11 +63,14 @@ class Samples {
   void place_pixels();
   std::vector<std::uint8_t> place_curves();
   void weigh(const std::vector<std::uint8_t>& crossed, const mesh::KnotMesh& mesh);
+  void keep_colours(const std::vector<std::uint8_t>& crossed);
+  void put_back_colours();
 
   const image::Image& picture_;
   MappedPicture& mapped_;
   std::vector<Vec2> places_;
   std::vector<float> weights_;
+  Replaced replaced_;
   std::vector<fit::CurvePoint> curves_;
   std::vector<std::uint32_t> curve_segments_;
   std::optional<PixelData> half_;

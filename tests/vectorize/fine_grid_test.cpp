@@ -187,6 +187,29 @@ TEST(FineGrid, ThePictureGetsWhatTheGridHas) {
   }
 }
 
+TEST(Samples, PixelsThatNoFeatureCrossesAnyMoreHaveTheirColoursAgain) {
+  const image::Image picture = thin_strokes(1);
+  const FineStart at_first(picture);
+  Halved on_picture(at_first.start->mapped, picture);
+  Samples& samples = on_picture.samples();
+  EXPECT_NE(samples.colours().samples, picture.samples);
+  const image::Image once = samples.colours();
+  std::vector<std::uint8_t> crossed(picture.pixel_count());
+  for (std::size_t i = 0; i < crossed.size(); ++i) crossed[i] = samples.weights()[i] < 1 ? 1 : 0;
+  const mesh::KnotMesh mesh = halved_features(at_first.start->mapped).knots;
+  const std::vector<std::uint8_t> nothing(picture.pixel_count(), 0);
+
+  const Samples::State before = samples.state();
+  samples.move(samples.places(), nothing, mesh);
+  EXPECT_EQ(samples.colours().samples, picture.samples);
+  samples.restore(before);
+  EXPECT_EQ(samples.colours().samples, once.samples);
+  samples.move(samples.places(), nothing, mesh);
+  EXPECT_EQ(samples.colours().samples, picture.samples);
+  samples.move(samples.places(), crossed, mesh);
+  EXPECT_EQ(samples.colours().samples, once.samples);
+}
+
 TEST(FineGrid, NoPartIsLeftOut) {
   // A ring, and a soft spot that is no feature and is lost in the mean.
   const image::Image picture = draw(160, 120, 1, [](double x, double y) {
