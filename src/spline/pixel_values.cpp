@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 #include "knotreel/base/parallel.h"
 #include "spline/tile_terms.h"
@@ -28,8 +29,11 @@ void PixelValues::name_functions(std::span<const std::uint8_t> wanted) {
   parallel_for(tile_rows(), [&](std::size_t row) {
     std::vector<FunctionIndex>& all = by_row[row];
     all.reserve(kFunctionsPerTile * tile_columns());
-    thread_local std::vector<std::uint32_t> slot;
-    slot.assign(function_count, kNoSlot);
+    // Each tile clears what it has used, so that those of one row are clear for the next of this thread. If
+    // something is thrown in between, they are gone.
+    thread_local std::vector<std::uint32_t> clear_slots;
+    std::vector<std::uint32_t> slot = std::move(clear_slots);
+    if (slot.size() < function_count) slot.resize(function_count, kNoSlot);
     for (std::size_t t = row * tile_columns(); t < (row + 1) * tile_columns(); ++t) {
       const auto reaching = pieces(t);
       const std::size_t first = all.size();
@@ -50,6 +54,7 @@ void PixelValues::name_functions(std::span<const std::uint8_t> wanted) {
       for (std::size_t i = first; i < all.size(); ++i) slot[all[i]] = kNoSlot;
       function_begin_[t + 1] = all.size() - first;
     }
+    clear_slots = std::move(slot);
   });
   std::partial_sum(function_begin_.begin(), function_begin_.end(), function_begin_.begin());
   functions_.reserve(function_begin_.back());
