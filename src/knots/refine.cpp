@@ -138,6 +138,48 @@ std::vector<FaceIndex> faces_of_pixels(const EditableMesh& mesh, std::span<const
   return result;
 }
 
+/// Faces that knots on their edges have split since it was asked which pixel is in which.
+class SplitFaces {
+ public:
+  explicit SplitFaces(const EditableMesh& mesh) : mesh_(mesh) {}
+
+  void add_around(KnotIndex k) {
+    mesh_.faces_around(k, ring_);
+    for (const FaceIndex f : ring_) {
+      if (f >= split_.size()) split_.resize(f + std::size_t{1}, false);
+      split_[f] = true;
+    }
+  }
+
+  /// The part of a face in which a place is now.
+  FaceIndex part(FaceIndex f, Vec2 place) const {
+    for (int steps = 0; steps < kMostSteps && is_split(f); ++steps) {
+      const FaceIndex next = towards(f, place);
+      if (next == f || !is_split(next)) break;
+      f = next;
+    }
+    return f;
+  }
+
+ private:
+  static constexpr int kMostSteps = 8;  // there are hardly ever more than two
+
+  bool is_split(FaceIndex f) const { return f < split_.size() && split_[f]; }
+
+  FaceIndex towards(FaceIndex f, Vec2 place) const {
+    const auto t = mesh_.triangle(f);
+    for (std::size_t i = 0; i < 3; ++i) {
+      if (signed_area(t[(i + 1) % 3], t[(i + 2) % 3], place) < 0 && !mesh_.is_fixed({f, static_cast<int>(i)}))
+        return mesh_.neighbour(f, static_cast<int>(i));
+    }
+    return f;
+  }
+
+  const EditableMesh& mesh_;
+  std::vector<bool> split_;
+  std::vector<FaceIndex> ring_;
+};
+
 }  // namespace
 
 std::vector<KnotIndex> refine_knots(EditableMesh& mesh, std::span<const float> squared_errors,
@@ -153,13 +195,16 @@ std::vector<KnotIndex> refine_knots(EditableMesh& mesh, std::span<const float> s
     const double threshold = largest * std::exp2(-2.0 * s);  // of squared errors
     candidates = best_by_face(errors, errors.clustered(threshold, options.least_cluster), face_of);
   }
+  SplitFaces split(mesh);
   for (const Candidate& c : candidates) {
     if (inserted.size() == options.max_knots) break;
     const Vec2 centre{static_cast<double>(c.pixel % std::size_t(width)) + 0.5,
                       static_cast<double>(c.pixel / std::size_t(width)) + 0.5};
     const Vec2 wanted = places.empty() ? centre : places[c.pixel];
-    const auto k = insert_near(mesh, face_of[c.pixel], wanted, options.min_distance);
-    if (k) inserted.push_back(*k);
+    const auto k = insert_near(mesh, split.part(face_of[c.pixel], wanted), wanted, options.min_distance);
+    if (!k) continue;
+    inserted.push_back(*k);
+    split.add_around(*k);
   }
   return inserted;
 }

@@ -70,6 +70,28 @@ TEST(RefineKnots, KnotsGoWhereTheErrorIs) {
   }
 }
 
+/// A knot on a feature splits the faces on both sides of it.
+TEST(RefineKnots, KnotsGoWhereTheErrorIsBeyondAFeatureThatIsSplit) {
+  knotreel::testing::MeshBuilder b(kWidth, kHeight);
+  const KnotIndex top = b.vertex(50, 10), bottom = b.vertex(50, 70);
+  b.segment(top, bottom, 0);
+  b.segment(bottom, b.vertex(20, 75), 1);
+  b.free(5, 40);
+  b.free(95, 40);
+  const mesh::KnotMesh halves = b.triangulated();
+  for (const int y : {22, 54}) {
+    EditableMesh mesh(halves);
+    ErrorPicture errors;
+    errors.fill(44, 38, 5, 5, 200);  // beside the feature
+    errors.fill(60, y, 5, 5, 100);
+    const auto knots = refine(mesh, errors, {.max_knots = 2});
+    ASSERT_EQ(knots.size(), 2U);
+    EXPECT_EQ(mesh.knot(knots[0]).kind, KnotKind::kSegment);
+    EXPECT_EQ(mesh.position(knots[1]), Vec2(62.5, y + 2.5));
+    testing::expect_sound(mesh);
+  }
+}
+
 TEST(RefineKnots, SmallClustersAreLeftAlone) {
   const Vec2 at = roomy_place(coarse_mesh(), 0);
   const int x = static_cast<int>(at.x) - 2;
