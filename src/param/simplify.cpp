@@ -130,6 +130,14 @@ std::vector<std::size_t> vertices_to_keep(const Curves& curves, const Curve& cur
     if (too_near && !is_fixed(kept.back())) kept.pop_back();
     kept.push_back(k);
   }
+  if (!curve.closed || kept.size() < 2) return kept;
+  // Round the end, too.
+  if (kept.front() + curve.sites.size() - kept.back() >= kLeastApart) return kept;
+  if (!is_fixed(kept.back())) {
+    kept.pop_back();
+  } else if (!is_fixed(kept.front())) {
+    kept.erase(kept.begin());
+  }
   return kept;
 }
 

@@ -461,6 +461,31 @@ TEST(Parametrize, PreferredPointsThatNobodyNeedsAreNoVertices) {
   EXPECT_EQ(first_polylines(chains).vertices.size(), count);
 }
 
+TEST(Parametrize, PreferredPointsNextToOthersAreNoVertices) {
+  FeatureChains chains = [] {
+    ChainBuilder b(80, 80);
+    b.add(arc({40, 40}, 25), true);
+    return std::move(b.chains);
+  }();
+  std::vector<features::ChainPoint>& points = chains.chains[0].points;
+  ParametrizeOptions options;
+  options.polyline_distance = 1;
+  for (const std::size_t first : {std::size_t{0}, std::size_t{7}, points.size() - 1}) {
+    for (features::ChainPoint& p : points) p.preferred = false;
+    // So far apart that none may go for being straight.
+    for (std::size_t i = 0; i + 15 < points.size(); ++i)
+      points[(first + 1 + i) % points.size()].preferred = i % 20 == 0;
+    points[first].preferred = true;
+    const Parametrization p = first_polylines(chains, options);
+    std::vector<std::size_t> vertices;
+    for (std::size_t i = 0; i < p.curve_samples.size(); ++i)
+      if (p.curve_samples[i].t == 0) vertices.push_back(i);
+    vertices.push_back(vertices.front() + points.size());
+    for (std::size_t i = 1; i < vertices.size(); ++i)
+      EXPECT_GT(vertices[i] - vertices[i - 1], 2U) << first << ": " << vertices[i];
+  }
+}
+
 TEST(Parametrize, AnyPreferencesGiveSoundPolylines) {
   for (unsigned seed = 1; seed <= 12; ++seed) {
     FeatureChains chains = random_chains(96, 80, 14, seed);
