@@ -53,8 +53,9 @@ struct ColourFit {
 /// Least-squares fit of the colours (paper sec. 7.3, Eq. 13).
 /// @param basis  over a domain of image.width x image.height pixels.
 /// @throws Error{kInvalidArgument} if sizes differ.
-/// Work is spread over all threads allowed; the result does not depend on their number. Memory: at most
-/// about 300 MB for the basis functions of a band of rows, and the factor of the normal equations.
+/// Work is spread over all threads allowed; the result does not depend on their number. Memory: for
+/// each tile of 8x8 pixels the products of all pairs of the n functions that reach it, and four more numbers
+/// for each of them, so n (n + 9) / 2 floats or doubles; and the factor of the normal equations.
 ColourFit fit_colours(const spline::Basis& basis, const Pixels& pixels, const ColourFitOptions& options = {});
 
 /// The same with the values of the basis functions at pixels.places, which may serve other fits too.

@@ -54,7 +54,8 @@ std::size_t unfold_geometry(const spline::Basis& basis, std::vector<Vec2>& displ
 std::vector<Vec2> image_points(const spline::Basis& basis, std::span<const Vec2> displacement,
                                std::vector<Vec2> points);
 
-/// @return by pixel, 1 where a feature curve passes through its square.
+/// @return by pixel, 1 where a feature curve passes through its square; about: curves are polylines with a
+/// vertex per pixel here, and looked at every fifth of a pixel.
 std::vector<std::uint8_t> crossed_pixels(const spline::Basis& basis, std::span<const Vec2> displacement,
                                          int width, int height);
 

@@ -13,7 +13,9 @@ namespace knotreel::knots {
 /// Sum over all faces of the error of the best linear approximation (paper Eq. 7).
 double linear_energy(const mesh::EditableMesh& mesh, const Target& target);
 
-/// Gradient of linear_energy() by the position of a knot (paper Eq. 8), with the linear approximations held.
+/// Gradient of linear_energy() by the position of a knot (paper Eq. 8), with the linear approximations held:
+/// from the errors on both sides of its edges, as if all pixels there had weight 1. Where there are weights
+/// it is only a direction.
 Vec2 energy_gradient(const mesh::EditableMesh& mesh, const Target& target, mesh::KnotIndex knot);
 
 struct OptimiseOptions {
