@@ -27,7 +27,7 @@ constexpr Index kFromCorners = 4;          // points: what is nearer to a sharp 
 /// A line through points, and how far they are from it.
 struct Line {
   Vec2 point;
-  Vec2 along;
+  Vec2 along;  ///< of a side: the way of the walk
   double rms = 0;
 
   double off(Vec2 p) const { return cross(along, p - point); }
@@ -148,12 +148,14 @@ class Marker {
       while (i + step >= 0 && i + step < size() && std::abs(line.off(at(i + step))) <= kOff) i += step;
       return i;
     };
-    return {end(first + kUntold, -1), end(last - kUntold, 1), line};
+    Line walked = line;  // the line itself may point either way
+    if (dot(line.along, at(last) - at(first)) < 0) walked.along = -1.0 * line.along;
+    return {end(first + kUntold, -1), end(last - kUntold, 1), walked};
   }
 
   /// The detector makes bends of corners; a vertex on each side would hide one that was not found.
   bool is_corner(const Side& a, const Side& b) const {
-    const double turn = std::acos(std::clamp(std::abs(dot(a.line.along, b.line.along)), 0.0, 1.0));
+    const double turn = std::acos(std::clamp(dot(a.line.along, b.line.along), -1.0, 1.0));
     return b.first - a.last <= kCorner && turn < kBlunt;
   }
 
@@ -181,7 +183,8 @@ class Marker {
     const Index behind = i + kBend * step;
     if (behind < 0 || behind >= size()) return;
     const Vec2 way = at(behind) - at(i);
-    const double turn = std::atan2(std::abs(cross(line.along, way)), std::abs(dot(line.along, way)));
+    const double turn =
+        std::atan2(std::abs(cross(line.along, way)), static_cast<double>(step) * dot(line.along, way));
     if (turn < kLeastBend) return;
     for (Index k = -kFromCorners; k <= kFromCorners; ++k) {
       if (i + k >= 0 && i + k < size() && point(i + k).corner) return;

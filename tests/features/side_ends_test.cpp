@@ -77,6 +77,28 @@ TEST(SideEnds, AreWhereSidesBecomeArcs) {
   }
 }
 
+/// A wedge with round corners: its tip turns by more than a right angle.
+TEST(SideEnds, AreAtTipsOfFewPixels) {
+  const double radius = 2.2;
+  const Vec2 tip{66.3, 40.4}, upper{16.2, 27.1}, lower{16.2, 53.7};
+  const image::Image picture = testing::draw(80, 80, [&](double x, double y) {
+    const Vec2 p{x, y};
+    const bool inside =
+        signed_area(tip, lower, p) > 0 && signed_area(lower, upper, p) > 0 && signed_area(upper, tip, p) > 0;
+    const double off = std::min({distance_to_segment(p, tip, lower), distance_to_segment(p, lower, upper),
+                                 distance_to_segment(p, upper, tip)});
+    return inside || off < radius ? 30.0 : 210.0;
+  });
+  const std::vector<Vec2> preferred = points_with(&ChainPoint::preferred, marked(picture));
+  for (const Vec2 other : {upper, lower}) {
+    const Vec2 way = unit(tip - other);
+    const Vec2 end = tip + (other == upper ? radius : -radius) * Vec2{way.y, -way.x};
+    double least = 1e9;
+    for (const Vec2 p : preferred) least = std::min(least, norm(p - end));
+    EXPECT_LT(least, 2.5) << end.x << ", " << end.y;
+  }
+}
+
 TEST(SideEnds, ArcsBetweenThemAreRound) {
   const double radius = 8;
   const FeatureChains chains = marked(rounded_box(radius, 0.2));
