@@ -6,6 +6,7 @@
 #include <optional>
 #include <utility>
 
+#include "base/triangle.h"
 #include "knotreel/fit/knot_gradient.h"
 #include "knotreel/mesh/edge_lengths.h"
 
@@ -56,11 +57,8 @@ class Guards {
  private:
   static double height(const KnotMesh& mesh, const std::array<KnotIndex, 3>& t,
                        const std::vector<Vec2>& moves) {
-    const Vec2 a = mesh.knots[t[0]].position + moves[t[0]];
-    const Vec2 b = mesh.knots[t[1]].position + moves[t[1]];
-    const Vec2 c = mesh.knots[t[2]].position + moves[t[2]];
-    const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
-    return 2 * signed_area(a, b, c) / longest;
+    const auto corner = [&](std::size_t i) { return mesh.knots[t[i]].position + moves[t[i]]; };
+    return height_over_longest({corner(0), corner(1), corner(2)});
   }
 
   void add(const KnotMesh& mesh, const std::array<KnotIndex, 3>& t, double least_height) {

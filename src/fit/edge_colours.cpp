@@ -96,4 +96,11 @@ std::vector<std::uint8_t> clear_edge_colours(image::Image& picture, std::span<co
   return given;
 }
 
+std::vector<float> edge_weights(std::span<const std::uint8_t> crossed, std::span<const std::uint8_t> given) {
+  std::vector<float> weights(crossed.size());
+  for (std::size_t i = 0; i < crossed.size(); ++i)
+    weights[i] = !crossed[i] ? 1.0F : given[i] ? kEdgeWeight : 0.0F;
+  return weights;
+}
+
 }  // namespace knotreel::fit

@@ -8,6 +8,7 @@
 
 #include "fit/joints.h"
 #include "fit/normal_equations.h"
+#include "fit/pixel_centre.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 
@@ -18,18 +19,13 @@ namespace {
 using spline::PixelValues;
 using Matrix = Eigen::SparseMatrix<double>;
 
-Vec2 centre(std::size_t pixel, int width) {
-  return {static_cast<double>(pixel % std::size_t(width)) + 0.5,
-          static_cast<double>(pixel / std::size_t(width)) + 0.5};
-}
-
 /// What the surface must add to each place, as a picture of two channels.
 image::Image displacement_picture(std::span<const Vec2> places, int width, int height) {
   image::Image image{width, height, 2, {}};
   image.samples.resize(2 * places.size());
   parallel_for(static_cast<std::size_t>(height), [&](std::size_t row) {
     for (std::size_t i = row * std::size_t(width); i < (row + 1) * std::size_t(width); ++i) {
-      const Vec2 d = centre(i, width) - places[i];
+      const Vec2 d = centre_of_pixel(i, width) - places[i];
       image.samples[2 * i] = static_cast<float>(d.x);
       image.samples[2 * i + 1] = static_cast<float>(d.y);
     }
@@ -46,7 +42,7 @@ std::vector<std::uint8_t> active_functions(const PixelValues& values, std::span<
     std::array<std::uint8_t, kPixels> displaced{};
     bool any = false;
     values.for_pixels(t, [&](std::size_t pixel, std::size_t place) {
-      displaced[place] = places[pixel] != centre(pixel, values.width());
+      displaced[place] = places[pixel] != centre_of_pixel(pixel, values.width());
       any = any || displaced[place];
     });
     if (!any) return;

@@ -6,6 +6,7 @@
 
 #include "base/small_vector.h"
 #include "fit/geometry_map.h"
+#include "fit/pixel_centre.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/spline/surface.h"
 
@@ -164,13 +165,6 @@ class Search {
   }
 
  private:
-  static Vec2 centre(std::size_t x, std::size_t y) {
-    return {static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5};
-  }
-  Vec2 centre(std::size_t pixel) const {
-    return centre(pixel % std::size_t(width_), pixel / std::size_t(width_));
-  }
-
   bool is_known(std::size_t x, std::size_t y) const {
     constexpr std::size_t kSide = PixelTiles::kSide;
     const std::size_t columns = (std::size_t(width_) + kSide - 1) / kSide;
@@ -196,7 +190,7 @@ class Search {
           places_[i] = known_.places[i];
           continue;
         }
-        places_[i] = centre(x, y);
+        places_[i] = pixel_centre(x, y);
         Offset offset = grid_.of(i);
         if (offset == Offset{}) continue;
         const float cx = static_cast<float>(x) + 0.5F;
@@ -244,7 +238,8 @@ class Search {
       for (int x = tile.left; x < tile.right; ++x, ++place) {
         const std::size_t i = std::size_t(y) * std::size_t(width_) + std::size_t(x);
         const Vec2 from = places_[i];
-        const Vec2 miss = centre(std::size_t(x), std::size_t(y)) - image(from, offset_at(surface, place));
+        const Vec2 miss =
+            pixel_centre(std::size_t(x), std::size_t(y)) - image(from, offset_at(surface, place));
         if (miss == Vec2{}) continue;
         places_[i] = map_.clamped(from + step(from, miss));
         if (dot(miss, miss) <= kExact * kExact) continue;
@@ -269,7 +264,7 @@ class Search {
       const FarPixel p = far[k];
       const Vec2 gone = places[k] - p.listed;
       const bool is_near = std::max(std::abs(gone.x), std::abs(gone.y)) <= kSlack;
-      const Vec2 miss = centre(p.pixel) - image(places[k], offset_at(surface, k));
+      const Vec2 miss = centre_of_pixel(p.pixel, width_) - image(places[k], offset_at(surface, k));
       if (is_near) places_[p.pixel] = map_.clamped(places[k] + step(places[k], miss));
       if (!is_near || norm(miss) > kExact) far[left++] = p;
     }
@@ -282,7 +277,7 @@ class Search {
   void step_one_by_one() {
     parallel_for((far_.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
       for (std::size_t k = block * kBlock; k < std::min((block + 1) * kBlock, far_.size()); ++k)
-        places_[far_[k]] = map_.place_of(centre(far_[k]), places_[far_[k]]);
+        places_[far_[k]] = map_.place_of(centre_of_pixel(far_[k], width_), places_[far_[k]]);
     });
   }
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/triangle.h"
 #include "knotreel/base/parallel.h"
 #include "knots/connectivity.h"
 #include "knots/disc_walk.h"
@@ -19,10 +20,6 @@ using mesh::KnotIndex;
 using mesh::KnotKind;
 
 constexpr double kSpacing = 2;  // of samples along edges, pixels: half of the time of one, and as good
-
-std::size_t corner_of(const mesh::Face& face, KnotIndex k) {
-  return face[0] == k ? 0 : face[1] == k ? 1 : 2;
-}
 
 /// Calls visit(point, s) at the places where an edge a -> b is sampled, s from 0 at a to 1 at b.
 /// @return how many there are.
@@ -65,7 +62,7 @@ void prefetch_edges(const EditableMesh& mesh, const Target& target, KnotIndex k,
   const auto channels = static_cast<std::size_t>(target.channels());
   for (const FaceIndex f : ring) {
     const mesh::Face& v = mesh.face(f);
-    const Vec2 to = mesh.position(v[(corner_of(v, k) + 1) % 3]);
+    const Vec2 to = mesh.position(v[(mesh.corner_of(f, k) + 1) % 3]);
     for_samples(from, to, norm(to - from), [&](Vec2 u, double) { target.prefetch_colour(u, channels); });
   }
 }
@@ -85,13 +82,13 @@ Vec2 ring_gradient(const EditableMesh& mesh, const Target& target, KnotIndex k,
   for (std::size_t i = 0; i < ring.size(); ++i) {
     // The first edge of face i, from the knot: face i is on its left, the face before on its right.
     const mesh::Face& v = mesh.face(ring[i]);
-    const KnotIndex j = v[(corner_of(v, k) + 1) % 3];
+    const KnotIndex j = v[(mesh.corner_of(ring[i], k) + 1) % 3];
     const LinearFit* before = i > 0 ? &fits.at(ring[i - 1]) : closed ? &fits.at(ring.back()) : nullptr;
     add(j, &fits.at(ring[i]), before);
   }
   if (!closed) {
     const mesh::Face& v = mesh.face(ring.back());
-    add(v[(corner_of(v, k) + 2) % 3], nullptr, &fits.at(ring.back()));
+    add(v[(mesh.corner_of(ring.back(), k) + 2) % 3], nullptr, &fits.at(ring.back()));
   }
   return gradient;
 }
@@ -112,7 +109,7 @@ bool keeps_distance(const EditableMesh& mesh, KnotIndex k, const std::vector<Fac
   if (mesh.knot(k).kind != KnotKind::kFree) return true;
   for (const FaceIndex f : ring) {
     const mesh::Face& v = mesh.face(f);
-    const std::size_t i = corner_of(v, k);
+    const std::size_t i = mesh.corner_of(f, k);
     if (!mesh.is_fixed({f, static_cast<int>(i)})) continue;
     const Vec2 a = mesh.position(v[(i + 1) % 3]);
     const Vec2 b = mesh.position(v[(i + 2) % 3]);
@@ -218,12 +215,6 @@ std::vector<std::vector<KnotIndex>> independent_knots(const EditableMesh& mesh,
   return classes;
 }
 
-void descend_positions(EditableMesh& mesh, const Target& target, const OptimiseOptions& options,
-                       const std::vector<std::vector<KnotIndex>>& classes, int k) {
-  FaceFits fits(mesh, target);
-  sweep(mesh, target, options, classes, k, fits);
-}
-
 std::size_t remove_slivers(EditableMesh& mesh, const Target& target, const OptimiseOptions& options) {
   std::size_t removed = 0;
   const double least_sine = sine_of_degrees(options.least_angle);
@@ -235,7 +226,7 @@ std::size_t remove_slivers(EditableMesh& mesh, const Target& target, const Optim
     for (const FaceIndex f : ring) {
       const auto t = mesh.triangle(f);
       // The knot to blame is the one at the largest angle.
-      bad = bad || (is_sliver(t, least_sine) && corner_of(mesh.face(f), k) == widest_corner(t));
+      bad = bad || (is_sliver(t, least_sine) && mesh.corner_of(f, k) == widest_corner(t));
     }
     if (!bad) continue;
     if (mesh.remove(k)) ++removed;

@@ -10,12 +10,6 @@
 /// Shapes of triangles.
 namespace knotreel::knots {
 
-/// Height of a triangle over its longest side.
-inline double height_over_longest(const std::array<Vec2, 3>& t) {
-  const double longest = std::max({norm(t[1] - t[0]), norm(t[2] - t[1]), norm(t[0] - t[2])});
-  return 2 * signed_area(t[0], t[1], t[2]) / longest;
-}
-
 /// Corner with the largest angle: opposite the longest side, the first one of equals.
 inline std::size_t widest_corner(const std::array<Vec2, 3>& t) {
   const std::array<double, 3> opposite{norm(t[2] - t[1]), norm(t[0] - t[2]), norm(t[1] - t[0])};

@@ -90,11 +90,6 @@ KnotMesh EditableMesh::to_mesh() const {
   return mesh;
 }
 
-int EditableMesh::corner_of(FaceIndex f, KnotIndex k) const {
-  const Face& v = faces_[f];
-  return v[0] == k ? 0 : v[1] == k ? 1 : 2;
-}
-
 EditableMesh::Edge EditableMesh::mirror(Edge e) const {
   const FaceIndex other = neighbour(e.face, e.side);
   const auto& n = neighbours_[other];
@@ -107,7 +102,7 @@ EditableMesh::Edge EditableMesh::edge_between(KnotIndex a, KnotIndex b) const {
   std::vector<FaceIndex> ring;
   faces_around(a, ring);
   for (const FaceIndex f : ring) {
-    const auto i = static_cast<std::size_t>(corner_of(f, a));
+    const auto i = corner_of(f, a);
     if (faces_[f][next(i)] == b) return {f, static_cast<int>(previous(i))};
     if (faces_[f][previous(i)] == b) return {f, static_cast<int>(next(i))};
   }
@@ -121,16 +116,16 @@ void EditableMesh::faces_around(KnotIndex k, std::vector<FaceIndex>& out) const 
   // Back to the border, if there is one, so that the walk covers the whole fan.
   FaceIndex first = start;
   for (;;) {
-    const FaceIndex f = neighbours_[first][previous(static_cast<std::size_t>(corner_of(first, k)))];
+    const FaceIndex f = neighbours_[first][previous(corner_of(first, k))];
     if (f == kNoFace || f == start) break;
     first = f;
   }
-  const bool closed = neighbours_[first][previous(static_cast<std::size_t>(corner_of(first, k)))] != kNoFace;
+  const bool closed = neighbours_[first][previous(corner_of(first, k))] != kNoFace;
   if (closed) first = start;
   FaceIndex f = first;
   do {
     out.push_back(f);
-    f = neighbours_[f][next(static_cast<std::size_t>(corner_of(f, k)))];
+    f = neighbours_[f][next(corner_of(f, k))];
   } while (f != kNoFace && f != first);
 }
 
@@ -289,7 +284,7 @@ void EditableMesh::legalise_around(KnotIndex k) {
   while (!open.empty()) {
     const FaceIndex f = open.back();
     open.pop_back();
-    const Edge e{f, corner_of(f, k)};
+    const Edge e{f, static_cast<int>(corner_of(f, k))};
     if (is_fixed(e)) continue;
     const Edge m = mirror(e);
     const auto [a, b, c] = triangle(f);
@@ -310,7 +305,7 @@ std::array<KnotIndex, 2> EditableMesh::line_neighbours(KnotIndex k) const {
     if (found < 2 && (found == 0 || ends[0] != other)) ends[found++] = other;
   };
   for (const FaceIndex f : ring) {
-    const auto i = static_cast<std::size_t>(corner_of(f, k));
+    const auto i = corner_of(f, k);
     if (is_fixed({f, static_cast<int>(previous(i))})) add(faces_[f][next(i)]);
     if (is_fixed({f, static_cast<int>(next(i))})) add(faces_[f][previous(i)]);
   }
@@ -329,7 +324,7 @@ Vec2 EditableMesh::projected(KnotIndex k, Vec2 target) const {
   thread_local std::vector<FaceIndex> ring;
   faces_around(k, ring);
   for (const FaceIndex f : ring) {
-    const std::uint32_t s = segment(f, static_cast<int>(next(static_cast<std::size_t>(corner_of(f, k)))));
+    const std::uint32_t s = segment(f, static_cast<int>(next(corner_of(f, k))));
     if (s == kNoSegment) continue;
     const Vec2 from = position(segments_[s].knots.front());
     const Vec2 along = position(segments_[s].knots.back()) - from;
@@ -379,7 +374,7 @@ bool EditableMesh::remove(KnotIndex k) {
   std::array<FaceIndex, 3> n{kNoFace, kNoFace, kNoFace};
   std::array<std::uint32_t, 3> s{kNoSegment, kNoSegment, kNoSegment};
   for (std::size_t i = 0; i < ring.size(); ++i) {
-    const auto at = static_cast<std::size_t>(corner_of(ring[i], k));
+    const auto at = corner_of(ring[i], k);
     v[i] = faces_[ring[i]][next(at)];
     if (on_border) v[i + 1] = faces_[ring[i]][previous(at)];
     n[previous(i)] = neighbours_[ring[i]][at];
@@ -403,9 +398,7 @@ bool EditableMesh::flip_to_degree(KnotIndex k, std::size_t faces) {
   if (ring.size() < faces) return false;
   std::vector<std::array<KnotIndex, 2>> flipped;  // the edges that flips made
   while (ring.size() > faces) {
-    const auto spoke = [&](FaceIndex f) {
-      return Edge{f, static_cast<int>(next(static_cast<std::size_t>(corner_of(f, k))))};
-    };
+    const auto spoke = [&](FaceIndex f) { return Edge{f, static_cast<int>(next(corner_of(f, k)))}; };
     const auto ear = std::find_if(ring.begin(), ring.end(), [&](FaceIndex f) { return can_flip(spoke(f)); });
     if (ear == ring.end()) {
       undo_flips(flipped);

@@ -21,10 +21,7 @@ struct Piece {
 };
 
 double distance(Vec2 p, const Piece& s) {
-  const Vec2 along = s.b - s.a;
-  const double square = dot(along, along);
-  const double t = square > 0 ? std::clamp(dot(p - s.a, along) / square, 0.0, 1.0) : 0;
-  return norm(p - (s.a + t * along));
+  return distance_to_segment(p, s.a, s.b);
 }
 
 bool cross(const Piece& s, const Piece& t) {

@@ -5,6 +5,8 @@
 #include <optional>
 #include <utility>
 
+#include "base/triangle.h"
+
 namespace knotreel::track {
 
 using mesh::EditableMesh;
@@ -80,11 +82,6 @@ KnotMesh without_leaving_segments(const KnotMesh& mesh, std::span<const Vec2> ta
   return result;
 }
 
-double height_over_longest(Vec2 a, Vec2 b, Vec2 c) {
-  const double longest = std::max({norm(b - a), norm(c - b), norm(a - c)});
-  return longest > 0 ? 2 * signed_area(a, b, c) / longest : 0;
-}
-
 class Carrier {
  public:
   Carrier(const KnotMesh& mesh, std::vector<Vec2> targets, const CarryOptions& options, CarryReport& report)
@@ -110,7 +107,7 @@ class Carrier {
  private:
   double height(const mesh::Face& v, bool after) const {
     const auto at = [&](KnotIndex k) { return after ? targets_[k] : mesh_.position(k); };
-    return height_over_longest(at(v[0]), at(v[1]), at(v[2]));
+    return height_over_longest({at(v[0]), at(v[1]), at(v[2])});
   }
 
   /// Whether a face may be mended by taking its i-th knot away. Two others that are too close go on being so:

@@ -20,10 +20,7 @@ PlacedPixels placed_pixels(const image::Image& picture, std::shared_ptr<const sp
   const mesh::KnotMesh& mesh = pixels.placed->basis()->space().mesh();
   const std::vector<std::uint8_t> given =
       fit::clear_edge_colours(pixels.picture, pixels.placed->places(), crossed, mesh);
-  pixels.weights.resize(crossed.size());
-  for (std::size_t i = 0; i < crossed.size(); ++i) {
-    pixels.weights[i] = !crossed[i] ? 1.0F : given[i] ? fit::kEdgeWeight : 0.0F;
-  }
+  pixels.weights = fit::edge_weights(crossed, given);
   return pixels;
 }
 

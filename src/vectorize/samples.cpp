@@ -109,11 +109,7 @@ void Samples::put_back_colours() {
 void Samples::weigh(const std::vector<std::uint8_t>& crossed, const mesh::KnotMesh& mesh) {
   put_back_colours();
   keep_colours(crossed);
-  weights_.resize(places_.size());
-  const std::vector<std::uint8_t> given = fit::clear_edge_colours(mapped_.corrected, places_, crossed, mesh);
-  for (std::size_t i = 0; i < weights_.size(); ++i) {
-    weights_[i] = !crossed[i] ? 1.0F : given[i] ? fit::kEdgeWeight : 0.0F;
-  }
+  weights_ = fit::edge_weights(crossed, fit::clear_edge_colours(mapped_.corrected, places_, crossed, mesh));
 }
 
 void Samples::move(std::vector<Vec2> places, const std::vector<std::uint8_t>& crossed,

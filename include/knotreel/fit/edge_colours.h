@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <span>
+#include <vector>
 
 #include "knotreel/base/vec2.h"
 #include "knotreel/image/image.h"
@@ -21,5 +22,9 @@ inline constexpr float kEdgeWeight = 0.1F;
 std::vector<std::uint8_t> clear_edge_colours(image::Image& picture, std::span<const Vec2> places,
                                              std::span<const std::uint8_t> crossed,
                                              const mesh::KnotMesh& mesh);
+
+/// Weights of all pixels then: 1 where no feature crosses.
+/// @param given as clear_edge_colours() returns it.
+std::vector<float> edge_weights(std::span<const std::uint8_t> crossed, std::span<const std::uint8_t> given);
 
 }  // namespace knotreel::fit

@@ -33,12 +33,6 @@ struct OptimiseOptions {
 std::vector<std::vector<mesh::KnotIndex>> independent_knots(const mesh::EditableMesh& mesh,
                                                             const std::vector<mesh::KnotIndex>& knots);
 
-/// One sweep of position descent over classes of independent knots, one class after the other, each knot with
-/// the step of Eq. 9 and 10 for iteration k of options.steps; the step is halved while it would flip a face
-/// or raise the energy. Parallel; the result does not depend on the number of threads.
-void descend_positions(mesh::EditableMesh& mesh, const Target& target, const OptimiseOptions& options,
-                       const std::vector<std::vector<mesh::KnotIndex>>& classes, int k);
-
 /// Flips edges of the given faces, and of those changed on the way, while that lowers the energy
 /// (paper 6.2.2).
 /// @return the number of flips.

@@ -58,6 +58,11 @@ class EditableMesh {
     const Face& v = faces_[f];
     return {position(v[0]), position(v[1]), position(v[2])};
   }
+  /// The corner of a face at which one of its knots is.
+  std::size_t corner_of(FaceIndex f, KnotIndex k) const {
+    const Face& v = faces_[f];
+    return v[0] == k ? 0 : v[1] == k ? 1 : 2;
+  }
   /// The face across the edge opposite corner i; kNoFace on the border.
   FaceIndex neighbour(FaceIndex f, int i) const { return neighbours_[f][static_cast<std::size_t>(i)]; }
   /// The feature segment along the edge opposite corner i, or kNoSegment.
@@ -106,7 +111,6 @@ class EditableMesh {
   void replace_neighbour(FaceIndex f, FaceIndex from, FaceIndex to);
   FaceIndex new_face();
   KnotIndex new_knot(Vec2 position, KnotKind kind);
-  int corner_of(FaceIndex f, KnotIndex k) const;
   std::array<KnotIndex, 2> line_neighbours(KnotIndex k) const;
   /// Flips edges at a knot until it has so many faces. @return whether that was possible; if not, nothing has
   /// changed.
