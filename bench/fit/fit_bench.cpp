@@ -184,7 +184,7 @@ void BM_FitColours(benchmark::State& state) {
 void BM_KnotGradient(benchmark::State& state) {
   run(state, [&](const Case& c) {
     const ColourFit fit = fit_colours(c.values(), c.pixels());
-    for (auto _ : state) benchmark::DoNotOptimize(knot_gradient(c.basis, c.pixels(), fit).data());
+    for (auto _ : state) benchmark::DoNotOptimize(knot_gradient(c.values(), c.pixels(), fit).data());
   });
 }
 

@@ -49,22 +49,18 @@ void BM_Solve(benchmark::State& state) {
   for (auto _ : state) {
     Framed<Quad> field = start;
     ScreenedTutte solver(width, height, fixed, ParametrizeOptions{}.decay);
-    cycles = solver.solve(field, ParametrizeOptions{}.tolerance).cycles;
+    cycles = solver.solve(field, ParametrizeOptions{}.tolerance);
     benchmark::DoNotOptimize(field.at(0, 0));
   }
   state.counters["cycles"] = cycles;
 }
 
-/// range(3): 1 to start from the result itself, as between frames where nothing moved.
 void BM_Parametrize(benchmark::State& state) {
   const ThreadCap cap(static_cast<int>(state.range(2)));
   const auto chains = bench_chains(static_cast<int>(state.range(0)), static_cast<int>(state.range(1)));
   const auto mesh = features::make_image_mesh(chains);
-  const Parametrization previous = parametrize(chains, mesh);
-  ParametrizeOptions options;
-  if (state.range(3) != 0) options.warm_start = &previous;
   ParametrizeReport report;
-  for (auto _ : state) benchmark::DoNotOptimize(parametrize(chains, mesh, options, &report));
+  for (auto _ : state) benchmark::DoNotOptimize(parametrize(chains, mesh, {}, &report));
   state.counters["chains"] = static_cast<double>(chains.chains.size());
   state.counters["pixels"] = static_cast<double>(chain_pixels(chains));
   state.counters["cycles"] = report.cycles;
@@ -89,17 +85,8 @@ void sizes(benchmark::internal::Benchmark* b) {
   b->Unit(benchmark::kMillisecond)->UseRealTime();
 }
 
-void sizes_cold_and_warm(benchmark::internal::Benchmark* b) {
-  for (const int warm : {0, 1}) {
-    for (const int threads : {1, 0}) {
-      b->Args({352, 288, threads, warm})->Args({640, 360, threads, warm})->Args({768, 512, threads, warm});
-    }
-  }
-  b->Unit(benchmark::kMillisecond)->UseRealTime();
-}
-
 BENCHMARK(BM_Solve)->Apply(sizes);
-BENCHMARK(BM_Parametrize)->Apply(sizes_cold_and_warm);
+BENCHMARK(BM_Parametrize)->Apply(sizes);
 BENCHMARK(BM_ParametrizedImage)->Apply(sizes);
 
 }  // namespace

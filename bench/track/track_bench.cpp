@@ -72,7 +72,8 @@ void BM_Settle(benchmark::State& state) {
   const fit::ColourFit fit = fit::fit_colours(c.basis, pixels);
   Settling settling{SettleOptions{}};
   for (auto _ : state) {
-    benchmark::DoNotOptimize(settling.moves(c.mesh(), fit::knot_gradient(c.basis, pixels, fit), 0).data());
+    const spline::PixelValues values(c.basis, c.before.width, c.before.height, {});
+    benchmark::DoNotOptimize(settling.moves(c.mesh(), fit::knot_gradient(values, pixels, fit), 0).data());
   }
 }
 

@@ -15,7 +15,7 @@ constexpr double kLeastContrast = 8;  // levels
 constexpr double kLeastAngle = 0.1;   // radians, between rays
 constexpr double kLeastShare = 0.1;   // of an area, its shares of pixels squared and summed
 constexpr double kLineWeight = 0.2;   // of a px beside its ray, for a point; shares of pixels have 1
-constexpr int kMostSteps = 10;
+constexpr int kMostFanSteps = 10;
 constexpr double kDamping = 1e-3;  // at first
 
 /// A convex polygon that half-planes cut.
@@ -131,7 +131,7 @@ class FanFitter {
     line_weight_ = kLineWeight * differences(best);
     best = evaluate(start);
     double damping = kDamping;
-    for (int step = 0; step < kMostSteps; ++step) {
+    for (int step = 0; step < kMostFanSteps; ++step) {
       State next = evaluate(changed(best.fan, change_from(best, damping)));
       const bool better = next.valid && next.cost < best.cost;
       damping *= better ? 0.1 : 10;
@@ -197,7 +197,7 @@ class FanFitter {
   }
 
   Eigen::VectorXd change_from(const State& s, double damping) const {
-    constexpr double kStep = 0.02;  // px and radians
+    constexpr double kDifference = 0.02;  // px and radians
     const Eigen::Index n = s.shares.cols() + 2;
     const double contrast = differences(s);
     Eigen::MatrixXd normal = damping * contrast * contrast * Eigen::MatrixXd::Identity(n, n);
@@ -205,11 +205,11 @@ class FanFitter {
     std::vector<Eigen::MatrixXd> slopes;  // of what is drawn, by pixels and channels
     Eigen::MatrixXd beside_slopes(n - 2, n);
     for (Eigen::Index k = 0; k < n; ++k) {
-      const Eigen::VectorXd d = kStep * Eigen::VectorXd::Unit(n, k);
+      const Eigen::VectorXd d = kDifference * Eigen::VectorXd::Unit(n, k);
       const Fan more = changed(s.fan, d);
       const Fan less = changed(s.fan, -d);
-      beside_slopes.col(k) = (beside(more) - beside(less)) / (2 * kStep);
-      Eigen::MatrixXd slope = (shares_in(more) - shares_in(less)) * s.colours / (2 * kStep);
+      beside_slopes.col(k) = (beside(more) - beside(less)) / (2 * kDifference);
+      Eigen::MatrixXd slope = (shares_in(more) - shares_in(less)) * s.colours / (2 * kDifference);
       // What other colours would do as well is not for the fan.
       slope -= s.shares * s.normal.solve(s.shares.transpose() * slope);
       slopes.push_back(std::move(slope));

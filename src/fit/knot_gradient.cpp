@@ -328,10 +328,4 @@ std::vector<Vec2> knot_gradient(const spline::PixelValues& values, const Pixels&
   return gradient;
 }
 
-std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
-                                std::span<const std::uint8_t> wanted) {
-  const spline::PixelValues values(basis, pixels.image->width, pixels.image->height, pixels.places);
-  return knot_gradient(values, pixels, fit, wanted);
-}
-
 }  // namespace knotreel::fit

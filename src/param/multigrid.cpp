@@ -211,9 +211,9 @@ float ScreenedTutte::prolong(Framed<Quad>& field, std::size_t index) {
   });
 }
 
-ScreenedTutte::Progress ScreenedTutte::solve(Framed<Quad>& field, double tolerance) {
-  Progress progress;
-  while (progress.cycles < kMostCycles) {
+int ScreenedTutte::solve(Framed<Quad>& field, double tolerance) {
+  int cycles = 0;
+  while (cycles < kMostCycles) {
     float change = 0;
     const std::size_t coarsest = levels_.size() - 1;
     for (std::size_t l = 0; l < coarsest; ++l) {
@@ -226,10 +226,10 @@ ScreenedTutte::Progress ScreenedTutte::solve(Framed<Quad>& field, double toleran
       const float sweep = relax(field, l, kSweepsUp);
       if (l == 0) change = std::max({change, correction, sweep});
     }
-    if (progress.cycles++ == 0) progress.first_change = change;
+    ++cycles;
     if (!(change > tolerance)) break;
   }
-  return progress;
+  return cycles;
 }
 
 }  // namespace knotreel::param

@@ -21,14 +21,10 @@ class ScreenedTutte {
   /// @param decay  in pixels; 0: no screening.
   ScreenedTutte(int width, int height, const std::vector<std::uint8_t>& fixed, double decay);
 
-  struct Progress {
-    int cycles = 0;
-    float first_change = 0;  ///< largest change of a displacement in the first cycle, pixels
-  };
-
   /// Improves the free pixels of a field until a cycle changes no displacement by more than `tolerance`; what
   /// is left is then a fraction of that. The same bits for any number of threads.
-  Progress solve(Framed<Quad>& field, double tolerance);
+  /// @return how many cycles that took.
+  int solve(Framed<Quad>& field, double tolerance);
 
  private:
   struct Level {

@@ -56,9 +56,7 @@ class Parametrizer {
  public:
   Parametrizer(const features::FeatureChains& chains, const features::ImageMesh& mesh,
                const ParametrizeOptions& options)
-      : mesh_(mesh), options_(options), curves_(make_curves(chains)), field_(chains.width, chains.height) {
-    if (options.warm_start != nullptr && !curves_.curves.empty()) start_from(*options.warm_start);
-  }
+      : mesh_(mesh), options_(options), curves_(make_curves(chains)), field_(chains.width, chains.height) {}
 
   Parametrization run() {
     for (int round = 0; round < kMostRounds; ++round) {
@@ -79,21 +77,6 @@ class Parametrizer {
   const ParametrizeReport& report() const { return report_; }
 
  private:
-  void start_from(const Parametrization& previous) {
-    const auto pixels = curves_.at_pixel.size();
-    if (previous.width != curves_.width || previous.height != curves_.height ||
-        previous.position.size() != pixels || previous.parameter.size() != pixels) {
-      return;
-    }
-    for (int y = 0; y < curves_.height; ++y) {
-      for (int x = 0; x < curves_.width; ++x) {
-        const std::size_t pixel = static_cast<std::size_t>(y) * static_cast<std::size_t>(curves_.width) +
-                                  static_cast<std::size_t>(x);
-        set(x, y, previous.position[pixel], previous.parameter[pixel]);
-      }
-    }
-  }
-
   void set(int x, int y, Vec2 position, Vec2 parameter) {
     const Vec2 centre{x + 0.5, y + 0.5};
     const Vec2 f = position - centre;
@@ -122,9 +105,7 @@ class Parametrizer {
         if (s.pixel == kNoPixel || curves_.at_pixel[static_cast<std::size_t>(s.pixel)] == kNone) continue;
         set(curves_.x_of(s), curves_.y_of(s), s.position, s.parameter);
       }
-      const ScreenedTutte::Progress progress = solver_->solve(field_, options_.tolerance);
-      if (report_.cycles == 0) report_.first_change = progress.first_change;
-      report_.cycles += progress.cycles;
+      report_.cycles += solver_->solve(field_, options_.tolerance);
     }
     assemble_layouts(curves_, field_, result_);
   }

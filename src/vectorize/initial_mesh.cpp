@@ -13,7 +13,7 @@ using mesh::KnotKind;
 class Builder {
  public:
   Builder(const param::Parametrization& p, double spacing, double shortest)
-      : source_(p), spacing_(spacing), shortest_(shortest), mesh_(mesh::make_domain(p.width, p.height)) {
+      : spacing_(spacing), shortest_(shortest), mesh_(mesh::make_domain(p.width, p.height)) {
     vertices_.reserve(p.vertices.size());
     for (const param::PolylineVertex& v : p.vertices) vertices_.push_back(add(v.position, KnotKind::kVertex));
   }
@@ -51,7 +51,6 @@ class Builder {
     mesh_.segments.push_back(std::move(segment));
   }
 
-  const param::Parametrization& source_;
   double spacing_;
   double shortest_;
   mesh::KnotMesh mesh_;

@@ -7,10 +7,10 @@
 #include <numbers>
 #include <random>
 
+#include "features/chain_defects.h"
 #include "features/drawings.h"
 #include "features/untangle.h"
 #include "knotreel/base/error.h"
-#include "knotreel/features/defects.h"
 #include "knotreel/features/detect.h"
 #include "knotreel/features/fair.h"
 

@@ -3,10 +3,10 @@
 #include <algorithm>
 #include <filesystem>
 
+#include "features/chain_defects.h"
 #include "features/drawings.h"
 #include "features/extract.h"
 #include "knotreel/base/parallel.h"
-#include "knotreel/features/defects.h"
 #include "knotreel/features/detect.h"
 #include "knotreel/features/fair.h"
 #include "knotreel/image/read_image.h"

@@ -5,9 +5,9 @@
 #include <cmath>
 #include <limits>
 
+#include "features/chain_defects.h"
 #include "features/drawings.h"
 #include "knotreel/base/error.h"
-#include "knotreel/features/defects.h"
 #include "knotreel/features/fair.h"
 #include "support/pictures.h"
 

@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "features/chain_defects.h"
 #include "features/drawings.h"
 #include "knotreel/base/error.h"
-#include "knotreel/features/defects.h"
 #include "knotreel/features/detect.h"
 
 namespace knotreel::features {

@@ -66,6 +66,7 @@ class Gradient : public ::testing::TestWithParam<GradientCase> {
   }
 
   Pixels pixels() const { return {&image_, weights_, places_}; }
+  spline::PixelValues values() const { return {basis_, image_.width, image_.height, places_}; }
 
   /// Squared error of held control points over the mesh with one knot elsewhere.
   double held_error(const ColourFit& fit, KnotIndex knot, Vec2 offset) const {
@@ -103,7 +104,7 @@ INSTANTIATE_TEST_SUITE_P(All, Gradient,
 TEST_P(Gradient, IsTheDerivativeWithControlPointsHeld) {
   // A strong ridge, and smooth corners: nothing depends on the control points being the best ones.
   const ColourFit fit = fit_colours(basis_, pixels(), {.ridge = 1e-3});
-  const std::vector<Vec2> gradient = knot_gradient(basis_, pixels(), fit);
+  const std::vector<Vec2> gradient = knot_gradient(values(), pixels(), fit);
   const mesh::KnotMesh& mesh = space_->mesh();
   ASSERT_EQ(gradient.size(), mesh.knots.size());
   double largest = 0;
@@ -133,7 +134,7 @@ TEST_P(Gradient, IsTheDerivativeWithControlPointsHeld) {
 TEST_P(Gradient, IsTheDerivativeOfTheBestFit) {
   const ColourFitOptions options{.ridge = 1e-9, .smooth_corners = false};
   const ColourFit fit = fit_colours(basis_, pixels(), options);
-  const std::vector<Vec2> gradient = knot_gradient(basis_, pixels(), fit);
+  const std::vector<Vec2> gradient = knot_gradient(values(), pixels(), fit);
   double largest = 0;
   for (const Vec2 g : gradient) largest = std::max(largest, norm(g));
   constexpr double kStep = 1e-3;
@@ -153,17 +154,17 @@ TEST_P(Gradient, TheNumberOfThreadsDoesNotMatter) {
   std::vector<Vec2> gradients[2];
   for (int i = 0; i < 2; ++i) {
     const ThreadCap cap(i + 1);
-    gradients[i] = knot_gradient(basis_, pixels(), fit);
+    gradients[i] = knot_gradient(values(), pixels(), fit);
   }
   EXPECT_EQ(gradients[0], gradients[1]);
 }
 
 TEST_P(Gradient, OfSomeKnotsIsThatOfAllForThem) {
   const ColourFit fit = fit_colours(basis_, pixels());
-  const std::vector<Vec2> all = knot_gradient(basis_, pixels(), fit);
+  const std::vector<Vec2> all = knot_gradient(values(), pixels(), fit);
   std::vector<std::uint8_t> wanted(all.size());
   for (KnotIndex k = 0; k < all.size(); ++k) wanted[k] = k % 5 == 0;
-  const std::vector<Vec2> some = knot_gradient(basis_, pixels(), fit, wanted);
+  const std::vector<Vec2> some = knot_gradient(values(), pixels(), fit, wanted);
   ASSERT_EQ(some.size(), all.size());
   for (KnotIndex k = 0; k < all.size(); ++k) EXPECT_EQ(some[k], wanted[k] ? all[k] : Vec2{}) << "knot " << k;
 }
@@ -171,7 +172,7 @@ TEST_P(Gradient, OfSomeKnotsIsThatOfAllForThem) {
 TEST_P(Gradient, NeedsOneFlagPerKnot) {
   const ColourFit fit = fit_colours(basis_, pixels());
   const std::vector<std::uint8_t> wanted(space_->mesh().knots.size() - 1, 1);
-  EXPECT_THROW(knot_gradient(basis_, pixels(), fit, wanted), Error);
+  EXPECT_THROW(knot_gradient(values(), pixels(), fit, wanted), Error);
 }
 
 /// Whatever the picture, a surface that meets it exactly has nothing to gain.
@@ -182,7 +183,8 @@ TEST(GradientOfAnExactFit, IsZero) {
   fit.control = random_control(space->function_count(), 3);
   fit.residual.assign(48 * 40, 0.0F);
   const image::Image image = image::make_image(48, 40, 1);
-  for (const Vec2 g : knot_gradient(basis, {.image = &image}, fit)) EXPECT_EQ(norm(g), 0);
+  const spline::PixelValues values(basis, 48, 40, {});
+  for (const Vec2 g : knot_gradient(values, {.image = &image}, fit)) EXPECT_EQ(norm(g), 0);
 }
 
 }  // namespace

@@ -315,7 +315,7 @@ TEST(Target, ColourInterpolatesThePicture) {
   const Target target(image, {});
   const auto at = [&](int x, int y, int c) { return static_cast<double>(image.at(x, y, c)); };
   for (int c = 0; c < 2; ++c) {
-    const auto colour = [&](Vec2 u) { return target.colour(u)[static_cast<std::size_t>(c)]; };
+    const auto colour = [&](Vec2 u) { return target.colour(u, 2)[static_cast<std::size_t>(c)]; };
     for (int y = 0; y < 5; ++y) {
       for (int x = 0; x < 7; ++x) {
         EXPECT_NEAR(colour(centre(x, y)), at(x, y, c), 1e-12);
@@ -331,13 +331,12 @@ TEST(Target, ColourInterpolatesThePicture) {
 }
 
 TEST(Target, SquaredErrorIsThatOfTheFit) {
-  const Target target(test::random_picture(7, 5, 2, 5), {});
   LinearFit fit;
   fit.centre = {2, 3};
   fit.value = {10, 20};
   fit.gradient = {Vec2{1, -2}, Vec2{0.5, 3}};
   // At (4, 2) the fit is 10 + 2 + 2 and 20 + 1 - 3.
-  EXPECT_NEAR(target.squared_error(fit, {4, 2}, {15, 22, 1000, 1000}), 1 + 16, 1e-12);
+  EXPECT_NEAR(Target::squared_error(fit, {4, 2}, {15, 22, 1000, 1000}, 2), 1 + 16, 1e-12);
 }
 
 TEST(Target, ChangesToAnotherPictureAsIfMadeAnew) {

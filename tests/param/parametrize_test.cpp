@@ -317,21 +317,6 @@ TEST(Parametrize, SameBitsForAnyNumberOfThreads) {
   EXPECT_TRUE(same_bits(with(1), with(2)));
 }
 
-TEST(Parametrize, AWarmStartGivesTheSameWithLessWork) {
-  const FeatureChains chains = random_chains(220, 160, 25, 7);
-  ParametrizeReport cold;
-  ParametrizeReport warm;
-  const Parametrization p = run(chains, {}, &cold);
-  ParametrizeOptions options;
-  options.warm_start = &p;
-  const Parametrization q = run(chains, options, &warm);
-  // Damping of small displacements doubles differences.
-  EXPECT_LT(largest_difference(p.position, q.position), 3e-3);
-  EXPECT_LT(largest_difference(p.parameter, q.parameter), 3e-3);
-  EXPECT_LT(warm.cycles, cold.cycles);
-  EXPECT_LT(warm.first_change, 0.1 * cold.first_change);
-}
-
 TEST(Parametrize, AMirroredPictureGivesTheMirroredResult) {
   const FeatureChains chains = random_chains(151, 120, 14, 11);
   const Parametrization p = run(chains);

@@ -15,15 +15,12 @@ namespace knotreel::fit {
 /// pixels sums up what their coefficients bring, for all knots; how these follow the knots is known of affine
 /// maps, and differenced for knots beyond the first three. Zero for knots of kind kVertex; for border and
 /// segment knots the component along their line.
+/// @param values of the basis functions at pixels.places, all functions wanted.
 /// @param fit    of the same basis and pixels.
 /// @param wanted one per knot: 0 leaves its gradient zero, and configs without a wanted knot cost nothing; or
 ///               none: all knots. The others get the same bits either way.
 /// @throws Error{kInvalidArgument} if `wanted` has another size.
 /// Parallel; same bits for any number of threads.
-std::vector<Vec2> knot_gradient(const spline::Basis& basis, const Pixels& pixels, const ColourFit& fit,
-                                std::span<const std::uint8_t> wanted = {});
-
-/// The same with the values of the basis functions at pixels.places, all functions wanted.
 std::vector<Vec2> knot_gradient(const spline::PixelValues& values, const Pixels& pixels, const ColourFit& fit,
                                 std::span<const std::uint8_t> wanted = {});
 

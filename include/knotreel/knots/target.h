@@ -72,18 +72,14 @@ class Target {
   /// Only its error.
   double error(const std::array<Vec2, 3>& triangle) const;
 
-  /// The picture at a point, interpolated between pixels.
-  std::array<double, 4> colour(Vec2 u) const { return colour(u, static_cast<std::size_t>(channels())); }
-  /// The same. @param channels of the picture: quicker where the compiler knows them.
+  /// The picture at a point, interpolated between pixels. @param channels of the picture: quicker where the
+  /// compiler knows them.
   std::array<double, 4> colour(Vec2 u, std::size_t channels) const;
   /// Asks for the memory that colour() will read.
   void prefetch_colour(Vec2 u, std::size_t channels) const;
 
-  /// Squared error of a linear approximation at a point where the picture has this colour.
-  double squared_error(const LinearFit& fit, Vec2 u, const std::array<double, 4>& colour) const {
-    return squared_error(fit, u, colour, static_cast<std::size_t>(channels()));
-  }
-  /// The same. @param channels of the picture: quicker where the compiler knows them.
+  /// Squared error of a linear approximation at a point where the picture has this colour. @param channels of
+  /// the picture: quicker where the compiler knows them.
   static double squared_error(const LinearFit& fit, Vec2 u, const std::array<double, 4>& colour,
                               std::size_t channels) {
     double sum = 0;

@@ -69,20 +69,16 @@ struct ParametrizeOptions {
   double decay = 16;
   /// Largest error of the displacements against the exact solution, about, in pixels, > 0.
   double tolerance = 1e-3;
-  /// A solution to start from, such as that of the previous frame; ignored if of another size. The result
-  /// differs from that of a cold start within the tolerance only.
-  const Parametrization* warm_start = nullptr;
 };
 
 /// What parametrize() met. Triangles are those of the image mesh and of the ring between it and the border.
 struct ParametrizeReport {
-  int dropped_chains = 0;   ///< chains that touch others even as chains of pixels
-  int relaxed_points = 0;   ///< curve points moved towards their pixel centres, against crossings and folds
-  int folds_found = 0;      ///< triangles turned over by the first solution, in either layout
-  int folds_left = 0;       ///< always 0 for chains that keep what FeatureChains promises
-  int rounds = 0;           ///< solutions computed
-  int cycles = 0;           ///< multigrid cycles of all rounds
-  double first_change = 0;  ///< largest change of the first cycle, in pixels: how good the start was
+  int dropped_chains = 0;  ///< chains that touch others even as chains of pixels
+  int relaxed_points = 0;  ///< curve points moved towards their pixel centres, against crossings and folds
+  int folds_found = 0;     ///< triangles turned over by the first solution, in either layout
+  int folds_left = 0;      ///< always 0 for chains that keep what FeatureChains promises
+  int rounds = 0;          ///< solutions computed
+  int cycles = 0;          ///< multigrid cycles of all rounds
 };
 
 /// Places the chains on polylines that neither cross nor touch but at common vertices, and displaces all

@@ -1,4 +1,4 @@
-#include "knotreel/features/defects.h"
+#include "features/chain_defects.h"
 
 #include <algorithm>
 #include <cmath>

@@ -7,8 +7,8 @@
 
 namespace knotreel::features {
 
-/// The first promise of FeatureChains (see chains.h) that does not hold, in words; nothing if all do. Linear
-/// time.
+/// For tests: the first promise of FeatureChains (see chains.h) that does not hold, in words; nothing if all
+/// do. Linear time.
 std::optional<std::string> find_defect(const FeatureChains& chains);
 
 }  // namespace knotreel::features
