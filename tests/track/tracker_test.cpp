@@ -637,7 +637,8 @@ TEST(Tracker, CurvesAreBentEverySoManyFrames) {
     return std::ranges::any_of(report.milliseconds, [](const auto& lap) { return lap.first == "geometry"; });
   };
   const std::vector<image::Image> pictures = moving(7);
-  TrackOptions options{.bend_interval = 3, .curve_error = 0, .repair_below = 100, .birth_interval = 0};
+  TrackOptions options{
+      .drift = 100, .bend_interval = 3, .curve_error = 0, .repair_below = 100, .birth_interval = 0};
   const Tracked run = track(pictures, options);
   // The first warm frame is looked at, and every third after it.
   for (std::size_t i = 1; i < pictures.size(); ++i) EXPECT_EQ(bent(run.reports[i]), i % 3 == 1) << i;
