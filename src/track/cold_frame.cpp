@@ -260,6 +260,8 @@ class Ways {
   void make_with_fewer_features(double film) {
     const Way way = vectorize::wants_fine_grid(picture_, *options_.drawn) ? Way::kDrawn : Way::kPlain;
     std::shared_ptr<ColdFrame> made = made_in(way, options_, picture_, colour_step_);
+    const double most = most_functions(options_for(way, options_), picture_);
+    if (static_cast<double>(made->frame.space->function_count()) > most) return;  // strong features stay
     if (worth(*made, picture_) < worth(*film_, film) + kGainOfCramped) return;
     drawing_ = std::move(made);
     best_ = way;

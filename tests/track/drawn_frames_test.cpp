@@ -345,9 +345,16 @@ TEST(ColdFrame, ADrawingIsDrawnIfThatIsBetterAndThereIsRoom) {
   EXPECT_GT(cold(1000)->frame.drawn->share, 0.5);
   const std::size_t used = cold(1000)->frame.space->function_count();
   EXPECT_TRUE(cold(used * 2)->frame.drawn);
-  EXPECT_FALSE(cold(used * 9 / 10)->frame.drawn) << "it uses up all";
-  const vectorize::Options film = vectorize::video_options(picture_options());
-  EXPECT_FALSE(make_cold_frame(picture, {film}, 2)->frame.drawn);
+  // It uses up all of these, but is worth it by far; with fewer it would be above the bound, or is not.
+  const std::size_t few = used;
+  const auto limited = cold(few);
+  EXPECT_TRUE(limited->frame.drawn);
+  EXPECT_LE(limited->frame.space->function_count(), few);
+  const auto as_film = make_cold_frame(picture, {vectorize::video_options(picture_options(few))}, 2);
+  EXPECT_FALSE(as_film->frame.drawn);
+  EXPECT_GT(psnr_as_drawn(limited->frame, picture), psnr_as_drawn(as_film->frame, picture) + 2.5);
+  EXPECT_FALSE(cold(used * 9 / 10)->frame.drawn);
+  EXPECT_FALSE(cold(used / 2)->frame.drawn);
 }
 
 /// Small squares in rows, more of them than a small bound is enough for.

@@ -122,5 +122,24 @@ TEST(FitWatch, GroupsThatAreHeldAreNotShort) {
   EXPECT_FALSE(changing.is_time_to_look(22));
 }
 
+TEST(FitWatch, PicturesAreHeldOnceTheyHaveBeenTheSameForSomeFrames) {
+  FitWatch w = watch(30);
+  const auto held_after = [&] {
+    std::vector<int> frames;
+    for (int i = 1; i <= 12; ++i) {
+      w.end_repeated_frame();
+      if (w.is_held()) frames.push_back(i);
+    }
+    return frames;
+  };
+  const std::vector<int> once = held_after();
+  ASSERT_EQ(once.size(), 1U) << "a look for each time";
+  EXPECT_GT(once.front(), 3) << "animations show a picture for up to four frames";
+  w.end_frame(30, false);
+  EXPECT_EQ(held_after(), once);
+  w.start_group(30, Start::kCut, false);
+  EXPECT_EQ(held_after(), once);
+}
+
 }  // namespace
 }  // namespace knotreel::track

@@ -771,6 +771,18 @@ TEST(Tracker, APictureThatIsRepeatedIsMadeAnewIfItsModelIsBad) {
   }
 }
 
+TEST(Tracker, APictureThatIsHeldIsLookedAtOnceForASmallGain) {
+  TrackOptions options;
+  options.drift = 100;
+  options.look_interval = 1000;
+  options.restart_gain = 1000;
+  const std::vector<double> worst = worst_blocks_of_fade({}, options, 3);
+  constexpr std::size_t kStays = 7;  // from this frame on
+  EXPECT_GT(worst[kStays + 3], kBlockBound) << "it is not held yet";
+  EXPECT_LT(worst[kStays + 6], kBlockBound);
+  EXPECT_EQ(worst.back(), worst[kStays + 6]) << "once";
+}
+
 TEST(Tracker, WrongOptionsAreRefused) {
   EXPECT_THROW(Tracker({}, {.keyframe_interval = 0}), Error);
   EXPECT_THROW(Tracker({}, {.look_interval = 0}), Error);
