@@ -22,8 +22,9 @@ namespace {
 // By which a drawing must be better with the options of drawings, or densely, since its frames take longer
 // then; dB.
 constexpr double kGainOfDrawing = 0.5;
-constexpr double kGainOfCramped = 3;  // without room for the frames behind: they will often be made anew
-constexpr double kGainOfDense = 2;    // over illegible film
+constexpr double kGainOfCramped = 3;    // without room for the frames behind: they will often be made anew
+constexpr double kGainOfDense = 2;      // over illegible film
+constexpr double kManyFeatures = 0.45;  // share of the control points; with fewer, it is not for their sake
 constexpr double kClear = 42;  // dB; film of a drawing that is worse may be better as one in spite of all
 // Share of the control points that it may use up: features change from frame to frame, and need room for
 // that.
@@ -139,7 +140,8 @@ double expected_functions(const vectorize::Progress& progress, int degree) {
 struct CalledOff {};
 
 /// Whether the first knots, on the plain grid, tell that there is room: on a fine one that takes much longer.
-bool may_have_room(const ColdOptions& options, const image::Image& picture) {
+/// @param features becomes the share of the control points that features ask for, if that is looked at.
+bool may_have_room(const ColdOptions& options, const image::Image& picture, double& features) {
   struct Told {
     bool has_room;
   };
@@ -148,6 +150,7 @@ bool may_have_room(const ColdOptions& options, const image::Image& picture) {
   const double most = most_functions(plain, picture);
   try {
     vectorize::vectorize_picture(picture, plain, [&](const vectorize::Progress& progress) {
+      if (progress.stage == "features") features = vectorize::expected_functions(*progress.detected) / most;
       if (progress.stage == "knots")
         throw Told{expected_functions(progress, plain.degree) <= kMostAtFirst * most};
     });
@@ -204,7 +207,8 @@ class Ways {
       if (options_.dense_film && make_dense_film(film) >= kLegible) return;
       if (options_.cramped) make_cramped(film);
     }
-    if (best_ == Way::kFilm && !is_known && film < kClear) make_with_fewer_features(film);
+    if (best_ == Way::kFilm && !is_known && film < kClear && features_ > kManyFeatures)
+      make_with_fewer_features(film);
   }
 
   Way best() const { return best_; }
@@ -214,7 +218,7 @@ class Ways {
   /// What has no room on the fine grid may have it on the plain one; else it is tried densely.
   void make_drawing() {
     const bool is_fine = vectorize::wants_fine_grid(picture_, *options_.drawn);
-    if (!is_fine || may_have_room(options_, picture_)) {
+    if (!is_fine || may_have_room(options_, picture_, features_)) {
       film_is_in_the_way_ = is_fine;
       if (is_fine) take(Way::kDrawn);
       if (!drawing_ || !drawing_has_room()) take(Way::kPlain);
@@ -290,6 +294,7 @@ class Ways {
   const ColdOptions& options_;
   double colour_step_;
   std::atomic<bool> film_is_in_the_way_ = false;
+  double features_ = 1;  ///< share of the control points of a drawing that its features ask for, if known
   Way best_ = Way::kDrawn;
   std::shared_ptr<ColdFrame> drawing_;
   std::shared_ptr<ColdFrame> film_;
