@@ -22,9 +22,12 @@ namespace {
 // By which a drawing must be better with the options of drawings, or densely, since its frames take longer
 // then; dB.
 constexpr double kGainOfDrawing = 0.5;
-constexpr double kGainOfCramped = 3;    // without room for the frames behind: they will often be made anew
-constexpr double kGainOfDense = 2;      // over illegible film
-constexpr double kManyFeatures = 0.45;  // share of the control points; with fewer, it is not for their sake
+constexpr double kGainOfCramped = 3;  // without room for the frames behind: they will often be made anew
+constexpr double kGainOfDense = 2;    // over illegible film
+// Shares of the control points that features ask for: with fewer, it is not for their sake that there is no
+// room; with more, the frames behind have none.
+constexpr double kManyFeatures = 0.45;
+constexpr double kTooManyFeatures = 0.8;
 constexpr double kClear = 42;  // dB; film of a drawing that is worse may be better as one in spite of all
 // Share of the control points that it may use up: features change from frame to frame, and need room for
 // that.
@@ -207,7 +210,8 @@ class Ways {
       if (options_.dense_film && make_dense_film(film) >= kLegible) return;
       if (options_.cramped) make_cramped(film);
     }
-    if (best_ == Way::kFilm && !is_known && film < kClear && features_ > kManyFeatures)
+    if (best_ == Way::kFilm && !is_known && film < kClear && features_ > kManyFeatures &&
+        features_ < kTooManyFeatures)
       make_with_fewer_features(film);
   }
 
@@ -294,7 +298,7 @@ class Ways {
   const ColdOptions& options_;
   double colour_step_;
   std::atomic<bool> film_is_in_the_way_ = false;
-  double features_ = 1;  ///< share of the control points of a drawing that its features ask for, if known
+  double features_ = kManyFeatures;  ///< share of the control points of a drawing that its features ask for
   Way best_ = Way::kDrawn;
   std::shared_ptr<ColdFrame> drawing_;
   std::shared_ptr<ColdFrame> film_;
