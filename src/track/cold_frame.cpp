@@ -263,16 +263,15 @@ class Ways {
     }
   }
 
-  /// Kept if it is so much better that the frames behind it may be made anew more often.
-  /// @param film PSNR of the film.
+  /// On the fine grid, for which there was no room. Kept if it is so much better that the frames behind it
+  /// may be made anew more often. @param film PSNR of the film.
   void make_with_fewer_features(double film) {
-    const Way way = vectorize::wants_fine_grid(picture_, *options_.drawn) ? Way::kDrawn : Way::kPlain;
-    std::shared_ptr<ColdFrame> made = made_in(way, options_, picture_, colour_step_);
-    const double most = most_functions(options_for(way, options_), picture_);
+    std::shared_ptr<ColdFrame> made = made_in(Way::kDrawn, options_, picture_, colour_step_);
+    const double most = most_functions(*options_.drawn, picture_);
     if (static_cast<double>(made->frame.space->function_count()) > most) return;  // strong features stay
     if (worth(*made, picture_) < worth(*film_, film) + kGainOfCramped) return;
     drawing_ = std::move(made);
-    best_ = way;
+    best_ = Way::kDrawn;
   }
 
   /// Kept if that is legible. @param film PSNR of the film, which is not.
@@ -298,7 +297,8 @@ class Ways {
   const ColdOptions& options_;
   double colour_step_;
   std::atomic<bool> film_is_in_the_way_ = false;
-  double features_ = kManyFeatures;  ///< share of the control points of a drawing that its features ask for
+  /// Share of the control points of a drawing that its features ask for, if it is for the fine grid.
+  double features_ = 0;
   Way best_ = Way::kDrawn;
   std::shared_ptr<ColdFrame> drawing_;
   std::shared_ptr<ColdFrame> film_;

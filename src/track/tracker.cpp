@@ -59,11 +59,10 @@ const char* to_string(Start start) {
 namespace {
 
 constexpr int kFramesToRest = 4;
-constexpr double kRestToUse = 0.1;  // share of a picture; with less, to look for what is the same costs more
-constexpr double kLeftOut = 2;      // times vectorize::Options::block_error: where that is seen at once
-constexpr double kFull = 0.95;      // share of the control points
-constexpr double kGainOfHeld =
-    0.5;  // dB of a cold frame over a picture that is held: it is looked at for long
+constexpr double kRestToUse = 0.1;   // share of a picture; with less, to look for what is the same costs more
+constexpr double kLeftOut = 2;       // times vectorize::Options::block_error: where that is seen at once
+constexpr double kFull = 0.95;       // share of the control points
+constexpr double kGainOfHeld = 0.5;  // dB, by a cold frame: what is held is looked at for long
 constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
 constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
 // Times CarryOptions::min_distance: between outlines, knots are close to them from the first frame on.
@@ -403,10 +402,9 @@ class Tracker::Impl {
     std::shared_ptr<ColdFrame> cold = cold_frame(picture);
     laps_->add(std::exchange(cold->milliseconds, {}));
     const Quality quality = quality_of(cold->frame.colours.residual, cold->frame.seen.weights, picture);
-    const bool is_better = quality.psnr > report_->psnr + gain;
-    if (watch_.is_held() ? is_better_as_drawn(cold->frame, picture, gain)
-                         : is_better && (!frame_.drawn || is_better_as_drawn(cold->frame, picture, gain)))
-      return cold;
+    const bool is_better = watch_.is_held() || quality.psnr > report_->psnr + gain;
+    const bool as_drawn = watch_.is_held() || frame_.drawn;
+    if (is_better && (!as_drawn || is_better_as_drawn(cold->frame, picture, gain))) return cold;
     watch_.made_cold_frame_in_vain();
     outlook_.made_in_vain(quality.psnr, *target_, most);
     return nullptr;

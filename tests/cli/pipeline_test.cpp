@@ -152,17 +152,23 @@ TEST(CliRender, MemoryDoesNotGrowWithTheOutput) {
   EXPECT_LT(peak("5000x5000") - peak("1500x1500"), 16e6);
 }
 
-TEST(CliRender, ABackgroundReplacesTheAlpha) {
-  const test::TempDir dir;
-  image::Image clear = image::make_image(40, 40, 4);
-  for (std::size_t i = 0; i < clear.samples.size(); i += 4) {
+/// A picture of 40x40 whose alpha is a half, and whose first channel 200, as a document.
+std::string half_clear_document(const test::TempDir& dir, std::size_t channels) {
+  image::Image clear = image::make_image(40, 40, static_cast<int>(channels));
+  for (std::size_t i = 0; i < clear.samples.size(); i += channels) {
     clear.samples[i] = 200;
-    clear.samples[i + 3] = 127.5F;
+    clear.samples[i + channels - 1] = 127.5F;
   }
-  const std::string document = (dir / "d.tcb").string();
-  const std::string output = (dir / "o.png").string();
+  std::string document = (dir / "d.tcb").string();
   image::write_image(dir / "clear.png", clear);
   expect_success(test::knotreel({"vectorize", (dir / "clear.png").string(), "-o", document}));
+  return document;
+}
+
+TEST(CliRender, ABackgroundReplacesTheAlpha) {
+  const test::TempDir dir;
+  const std::string document = half_clear_document(dir, 4);
+  const std::string output = (dir / "o.png").string();
   expect_success(test::knotreel({"render", document, "-o", output, "--background", "#0064ff"}));
   const image::Image image = image::read_image(output);
   ASSERT_EQ(image.channels, 3);
@@ -173,14 +179,7 @@ TEST(CliRender, ABackgroundReplacesTheAlpha) {
 
 TEST(CliRender, ABackgroundOfAColourStaysOneBehindGrey) {
   const test::TempDir dir;
-  image::Image clear = image::make_image(40, 40, 2);
-  for (std::size_t i = 0; i < clear.samples.size(); i += 2) {
-    clear.samples[i] = 200;
-    clear.samples[i + 1] = 127.5F;
-  }
-  const std::string document = (dir / "d.tcb").string();
-  image::write_image(dir / "clear.png", clear);
-  expect_success(test::knotreel({"vectorize", (dir / "clear.png").string(), "-o", document}));
+  const std::string document = half_clear_document(dir, 2);
   const auto channels_and_corner = [&](const std::string& name, const std::string& colour) {
     const std::string output = (dir / name).string();
     const auto result = test::knotreel({"render", document, "-o", output, "--background", colour, "-q"});
