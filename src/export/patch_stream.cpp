@@ -15,9 +15,26 @@ void TriangleBudget::spend(std::size_t triangles) {
   }
 }
 
+namespace {
+
+/// Calls visit(make(i)) for i below count in order, making them block by block on all threads allowed.
+void in_blocks(std::size_t count, const std::function<void()>& checkpoint,
+               const std::function<Patch(std::size_t)>& make, const std::function<void(const Patch&)>& visit) {
+  constexpr std::size_t kBlock = 512;
+  std::vector<Patch> patches;
+  for (std::size_t begin = 0; begin < count; begin += kBlock) {
+    if (checkpoint) checkpoint();
+    patches.clear();
+    patches.resize(std::min(kBlock, count - begin));
+    parallel_for(patches.size(), [&](std::size_t i) { patches[i] = make(begin + i); });
+    for (const Patch& patch : patches) visit(patch);
+  }
+}
+
+}  // namespace
+
 void for_each_patch(const Tessellator& tessellator, const Layer& layer, const ExportOptions& options,
                     const std::function<void(const Patch&)>& visit) {
-  constexpr std::size_t kBlock = 512;
   const auto& under = layer.underlay;
   const auto& rims = layer.rims;
   const std::size_t count = under.size() + rims.size() + layer.faces.size();
@@ -26,14 +43,13 @@ void for_each_patch(const Tessellator& tessellator, const Layer& layer, const Ex
     i -= under.size();
     return i < rims.size() ? rim_patch(tessellator, rims[i]) : tessellator.face(layer.faces[i - rims.size()]);
   };
-  std::vector<Patch> patches;
-  for (std::size_t begin = 0; begin < count; begin += kBlock) {
-    if (options.checkpoint) options.checkpoint();
-    patches.clear();
-    patches.resize(std::min(kBlock, count - begin));
-    parallel_for(patches.size(), [&](std::size_t i) { patches[i] = make(begin + i); });
-    for (const Patch& patch : patches) visit(patch);
-  }
+  in_blocks(count, options.checkpoint, make, visit);
+}
+
+void for_each_face(const Tessellator& tessellator, const std::function<void()>& checkpoint,
+                   const std::function<void(const Patch&)>& visit) {
+  in_blocks(
+      tessellator.face_count(), checkpoint, [&](std::size_t f) { return tessellator.face(f); }, visit);
 }
 
 Box image_box(const document::FrameModel& model) {

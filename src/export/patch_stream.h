@@ -25,6 +25,10 @@ class TriangleBudget {
 void for_each_patch(const Tessellator& tessellator, const Layer& layer, const ExportOptions& options,
                     const std::function<void(const Patch&)>& visit);
 
+/// Hands out the patches of all faces in order, in the same way.
+void for_each_face(const Tessellator& tessellator, const std::function<void()>& checkpoint,
+                   const std::function<void(const Patch&)>& visit);
+
 /// Box of everything that an export may draw: the control points of the geometry span it.
 struct Box {
   Vec2 low;

@@ -155,15 +155,15 @@ class FaceRefiner {
 
   std::uint32_t add(const SurfacePoint& point, const std::array<double, 3>& weight) {
     patch_.vertices.push_back(point);
-    weight_.push_back(weight);
-    return static_cast<std::uint32_t>(weight_.size() - 1);
+    patch_.weights.push_back(weight);
+    return static_cast<std::uint32_t>(patch_.weights.size() - 1);
   }
 
   /// The half edge of the face that two vertices lie on, if they do. Weights along edges are dyadic, so zero
   /// is exact.
   std::uint32_t edge_through(std::uint32_t a, std::uint32_t b) const {
     for (std::size_t i = 0; i < 3; ++i) {
-      if (weight_[a][i] == 0 && weight_[b][i] == 0) {
+      if (patch_.weights[a][i] == 0 && patch_.weights[b][i] == 0) {
         return 3 * face_ + static_cast<std::uint32_t>((i + 1) % 3);
       }
     }
@@ -189,7 +189,7 @@ class FaceRefiner {
     const SurfacePoint& pa = patch_.vertices[a];
     const SurfacePoint& pb = patch_.vertices[b];
     std::array<double, 3> weight{};
-    for (std::size_t i = 0; i < 3; ++i) weight[i] = 0.5 * (weight_[a][i] + weight_[b][i]);
+    for (std::size_t i = 0; i < 3; ++i) weight[i] = 0.5 * (patch_.weights[a][i] + patch_.weights[b][i]);
     const Vec2 u = middle_of(pa.u, pb.u);
     const std::uint32_t h = edge_through(a, b);
     if (h != kNone && sheets_.is_feature(h)) {
@@ -258,7 +258,7 @@ class FaceRefiner {
       if (tessellator_.error(linear, centre) > 1) {
         std::array<double, 3> weight{};
         for (std::size_t i = 0; i < 3; ++i) {
-          weight[i] = third(weight_[a][i], weight_[b][i], weight_[c][i]);
+          weight[i] = third(patch_.weights[a][i], patch_.weights[b][i], patch_.weights[c][i]);
         }
         const std::uint32_t m = add(centre, weight);
         refine(a, b, m, inner - 1);
@@ -275,7 +275,6 @@ class FaceRefiner {
   std::uint32_t face_;
   double face_shape_ = 0;
   Patch patch_;
-  std::vector<std::array<double, 3>> weight_;  ///< barycentric in the face, by vertex
   std::unordered_map<std::uint64_t, std::uint32_t> middles_;
 };
 

@@ -1,21 +1,33 @@
+#include <algorithm>
+#include <numeric>
+
+#include "export/divide_for_paints.h"
 #include "export/number_text.h"
-#include "export/patch_stream.h"
-#include "export/svg_paint.h"
+#include "export/outlines.h"
+#include "export/regions.h"
+#include "export/svg_text.h"
+#include "export/triangulation.h"
 #include "knotreel/export/svg.h"
 
 namespace knotreel::exporting {
 
 namespace {
 
+// Under the regions each one's outline is drawn as a line of its paint, so that no paper shines through where
+// antialiased edges meet. Half of its width covers what a pixel that the edge crosses has beyond it.
+constexpr double kLineWidth = 1.2;
+// Two approximations share the error that is allowed: triangles with linear colours, and one paint for many
+// of them. Paints get more, since they are what takes room.
+constexpr double kTriangleShare = 0.3;
+
 class SvgWriter {
  public:
   SvgWriter(const document::FrameModel& model, const ExportOptions& options, OutputFile& file)
       : options_(options),
         model_(model),
-        tessellator_(model, half(options.tessellation)),
-        layers_(make_layers(tessellator_.sheets())),
-        file_(file),
-        budget_(options.max_triangles) {}
+        tessellator_(model, finer(options.tessellation)),
+        triangles_(triangulate(tessellator_, options.max_triangles, options.checkpoint)),
+        file_(file) {}
 
   ExportReport run() {
     const bool has_alpha = model_.channels == 2 || model_.channels == 4;
@@ -26,21 +38,22 @@ class SvgWriter {
     const double height = turn.swaps_sides() ? mesh.width : mesh.height;
     // Strokes are none in any case, but ImageMagick draws black ones unless that is told.
     file_.write(
-        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"" +
+        "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<svg xmlns=\"http://www.w3.org/2000/svg\" "
+        "xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"" +
         number_text(width * options_.scale, 3) + "\" height=\"" + number_text(height * options_.scale, 3) +
         "\" viewBox=\"0 0 " + number_text(width, 3) + ' ' + number_text(height, 3) + "\" stroke=\"none\">\n");
     if (!turn.is_none()) file_.write(turned_group(turn, turn.origin(width, height)));
-    write_outlines();
+    divide_for_paints(triangles_, colours, paint_tolerance());
     if (has_alpha) {
       file_.write(mask_start("alpha"));
-      paint(colours, 1);
+      paint(colours, 1, "a");
       file_.write("</mask>\n<g mask=\"url(#alpha)\">\n");
     }
-    paint(0, colours);
+    paint(0, colours, "r");
     if (has_alpha) file_.write("</g>\n");
     if (!turn.is_none()) file_.write("</g>\n");
     file_.write("</svg>\n");
-    return {layers_.size(), budget_.spent()};
+    return {paths_, triangles_.triangles.size()};
   }
 
  private:
@@ -51,23 +64,13 @@ class SvgWriter {
     return text + number_text(origin.x, 3) + ' ' + number_text(origin.y, 3) + ")\">\n";
   }
 
-  /// Two approximations share the error: triangles with linear colours, and one direction for all channels.
-  static TessellationOptions half(TessellationOptions options) {
-    // What is out of range stays so, for Tessellator to refuse.
-    if (options.colour_tolerance >= 0.02) options.colour_tolerance *= 0.5;
+  static TessellationOptions finer(TessellationOptions options) {
+    options.colour_tolerance = std::max(0.01, kTriangleShare * options.colour_tolerance);
+    options.geometry_tolerance = std::max(0.001, 0.5 * options.geometry_tolerance);
     return options;
   }
 
-  /// The layers' outlines. As masks and not as clip paths: renderers apply a clip to each triangle, and where
-  /// those overlap the edge of the clip would be painted twice and become jagged.
-  void write_outlines() {
-    for (std::size_t l = 1; l < layers_.size(); ++l) {
-      if (options_.checkpoint) options_.checkpoint();
-      std::string text = mask_start("l" + std::to_string(l)) + "<path fill=\"#fff\" d=\"";
-      for (const Loop& loop : layer_outline(tessellator_, layers_[l])) append_loop(loop, text);
-      file_.write(text + "\"/></mask>\n");
-    }
-  }
+  double paint_tolerance() const { return (1 - kTriangleShare) * options_.tessellation.colour_tolerance; }
 
   std::string mask_start(const std::string& name) const {
     const auto& mesh = model_.space->mesh();
@@ -75,49 +78,56 @@ class SvgWriter {
            number_text(mesh.width, 3) + "\" height=\"" + number_text(mesh.height, 3) + "\">\n";
   }
 
-  static void append_loop(const Loop& loop, std::string& text) {
-    const auto append = [&](char command, std::initializer_list<Vec2> points) {
-      text += command;
-      for (const Vec2 p : points) {
-        if (text.back() != command) text += ' ';
-        append_number(text, p.x, 3);
-        text += ' ';
-        append_number(text, p.y, 3);
-      }
-    };
-    append('M', {loop.front()[0]});
-    for (const Curve& curve : loop) {
-      if (curve[0] == curve[1] && curve[2] == curve[3]) {
-        append('L', {curve[3]});
+  /// All regions, the largest first. @param prefix  of their ids.
+  void paint(std::size_t first, std::size_t count, const std::string& prefix) {
+    RegionOptions wanted;
+    wanted.first = first;
+    wanted.count = count;
+    wanted.colour_tolerance = paint_tolerance();
+    wanted.hidden = options_.tessellation.colour_tolerance;
+    wanted.checkpoint = options_.checkpoint;
+    const Partition partition = merge_triangles(triangles_, wanted);
+    const auto outlines = exporting::outlines(tessellator_, triangles_, partition,
+                                              0.5 * options_.tessellation.geometry_tolerance);
+    std::vector<std::uint32_t> order(partition.regions.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
+      return partition.regions[a].area > partition.regions[b].area;
+    });
+    std::vector<std::string> fill(order.size());
+    const auto id = [&](std::size_t i) { return prefix + std::to_string(i); };
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      const Region& region = partition.regions[order[i]];
+      if (region.flat) {
+        fill[i] = colour_text(region.paint.colour, count);
       } else {
-        append('C', {curve[1], curve[2], curve[3]});
+        fill[i] = "url(#" + id(i) + "g)";
+        file_.write(gradient_text(id(i) + "g", region, count));
       }
     }
-    text += 'z';
-  }
-
-  void paint(std::size_t first, std::size_t count) {
-    SvgPainter painter(first, count, 0.5 * options_.tessellation.colour_tolerance, gradients_);
-    std::string text;
-    for (std::size_t l = 0; l < layers_.size(); ++l) {
-      file_.write(l == 0 ? "<g>\n" : "<g mask=\"url(#l" + std::to_string(l) + ")\">\n");
-      for_each_patch(tessellator_, layers_[l], options_, [&](const Patch& patch) {
-        text.clear();
-        budget_.spend(painter.paint(patch, text));
-        file_.write(text);
-      });
-      file_.write("</g>\n");
+    const auto& mesh = model_.space->mesh();
+    file_.write("<rect width=\"" + number_text(mesh.width, 3) + "\" height=\"" + number_text(mesh.height, 3) +
+                "\" fill=\"" + colour_text(partition.regions[order[0]].paint.colour, count) + "\"/>\n");
+    // Where two regions meet, the line of the one that is filled first is to be on top: a pixel is then of
+    // that colour before the other one's share of it is painted.
+    file_.write("<g stroke-width=\"" + number_text(kLineWidth, 2) + "\" stroke-linejoin=\"round\">\n");
+    for (std::size_t i = order.size(); i-- > 0;) {
+      file_.write("<use xlink:href=\"#" + id(i) + "\" stroke=\"" + fill[i] + "\"/>\n");
     }
-    gradients_ = painter.gradients();
+    file_.write("</g>\n");
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      file_.write("<path id=\"" + id(i) + "\" fill=\"" + fill[i] + "\" d=\"" + path_data(outlines[order[i]]) +
+                  "\"/>\n");
+    }
+    paths_ += order.size();
   }
 
   const ExportOptions& options_;
   const document::FrameModel& model_;
   Tessellator tessellator_;
-  std::vector<Layer> layers_;
+  Triangulation triangles_;
   OutputFile& file_;
-  TriangleBudget budget_;
-  std::uint64_t gradients_ = 0;
+  std::size_t paths_ = 0;
 };
 
 }  // namespace

@@ -31,6 +31,8 @@ struct SurfacePoint {
 /// Triangles in positive order over common vertices.
 struct Patch {
   std::vector<SurfacePoint> vertices;
+  /// Barycentric coordinates of the vertices in the face, exact on its edges; empty for what is no face.
+  std::vector<std::array<double, 3>> weights;
   std::vector<std::array<std::uint32_t, 3>> triangles;
 };
 
