@@ -27,7 +27,7 @@ namespace {
 constexpr std::uint64_t kLargeSvgBytes = 20'000'000;
 // Default colour tolerances: hardly to be told from the surface; and what keeps SVG at some megabytes.
 constexpr double kPdfTolerance = 2;
-constexpr double kSvgTolerance = 8;
+constexpr double kSvgTolerance = 6;
 constexpr std::size_t kAtOnce = 16;  // frames of a sequence
 
 struct ExportArguments {
@@ -80,8 +80,7 @@ std::uint64_t write_frame(const document::FrameModel& model, const exporting::Ex
 void warn_if_large(std::uint64_t bytes, const std::string& format) {
   if (format != "svg" || bytes <= kLargeSvgBytes) return;
   warn("the SVG has " + std::to_string(bytes / 1'000'000) +
-       " MB, which many programs show slowly; a larger --colour-tolerance makes it smaller, PDF much "
-       "smaller");
+       " MB, which many programs show slowly; a larger --colour-tolerance makes it smaller");
 }
 
 void export_one(const ExportArguments& arguments, document::Reader& reader,
@@ -152,12 +151,12 @@ void run_export(const CLI::App& command, const ExportArguments& arguments) {
 }
 
 constexpr const char* kExportFooter = R"(
-PDF keeps the smooth shading; poppler and MuPDF were tried. SVG has no such shading: a picture becomes many
-small pieces, and at equal tolerance the file is 20 to 100 times as large.
+PDF keeps the smooth shading; poppler and MuPDF were tried. SVG has no such shading: there a picture becomes
+regions of one colour or one linear gradient each, whose outlines are curves. Drawings take few of them.
 Examples:
   knotreel export photo.tcb -o photo.pdf
   knotreel export photo.tcb -o poster.pdf --scale 4 --colour-tolerance 1
-  knotreel export photo.tcb -o small.svg --colour-tolerance 16
+  knotreel export photo.tcb -o small.svg --colour-tolerance 12
   knotreel export clip.tcb -o frame_%04d.svg --frames 0-24)";
 
 }  // namespace
@@ -184,7 +183,7 @@ void add_export_command(CLI::App& program) {
   command
       ->add_option(
           "--colour-tolerance", arguments->colour_tolerance,
-          "Largest error of a colour, in levels of 0 to 255; 0.01 to 255.\nWithout: 2 for PDF, 8 for SVG")
+          "Largest error of a colour, in levels of 0 to 255; 0.01 to 255.\nWithout: 2 for PDF, 6 for SVG")
       ->type_name("T");
   command
       ->add_option("--geometry-tolerance", arguments->geometry_tolerance,

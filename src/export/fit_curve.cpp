@@ -10,8 +10,8 @@ namespace {
 
 // Curves that meet at a larger angle than that, in radians, form a corner.
 constexpr double kCorner = 0.2;
-constexpr int kSamples = 6;       ///< of a curve, its end included
-constexpr int kCorrections = 4;   ///< of the parameters of samples
+constexpr int kSamples = 6;      ///< of a curve, its end included
+constexpr int kCorrections = 4;  ///< of the parameters of samples
 
 Vec2 at(const Curve& c, double t) {
   const double s = 1 - t;
@@ -115,8 +115,7 @@ class Fitter {
       const double s = 1 - t;
       const Vec2 p = (3 * s * s * t) * from;
       const Vec2 q = (3 * s * t * t) * to;
-      const Vec2 rest =
-          samples_[i].x - ((s * s * s + 3 * s * s * t) * a + (t * t * t + 3 * s * t * t) * b);
+      const Vec2 rest = samples_[i].x - ((s * s * s + 3 * s * s * t) * a + (t * t * t + 3 * s * t * t) * b);
       c00 += dot(p, p);
       c01 += dot(p, q);
       c11 += dot(q, q);

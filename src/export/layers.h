@@ -38,9 +38,6 @@ std::vector<Layer> make_layers(const Sheets& sheets);
 /// Triangles of a rim. Those across features may reach farther than its outline.
 Patch rim_patch(const Tessellator& tessellator, const Rim& rim);
 
-/// A closed path: every curve goes on where the one before ends.
-using Loop = std::vector<Curve>;
-
 /// What a layer may cover: its faces, cut exactly along features, and the rims that are shown. To be filled
 /// by the nonzero rule.
 std::vector<Loop> layer_outline(const Tessellator& tessellator, const Layer& layer);

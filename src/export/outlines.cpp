@@ -9,12 +9,11 @@ namespace knotreel::exporting {
 
 namespace {
 
-
 /// Edges between two regions, from one vertex where others come to the next, or round in a circle.
 struct Arc {
   std::vector<std::uint32_t> half_edges;  ///< of the region on its left
   std::uint32_t left = 0;
-  std::uint32_t right = kNoIndex;            ///< kNoIndex: the border of the picture
+  std::uint32_t right = kNoIndex;  ///< kNoIndex: the border of the picture
   std::vector<Curve> curves;
 };
 
@@ -36,11 +35,10 @@ class Tracer {
     collect_edges();
   }
 
-  std::vector<std::vector<Outline>> run(double tolerance) {
+  std::vector<std::vector<Loop>> run(double tolerance) {
     trace_arcs();
-    parallel_for(arcs_.size(), [&](std::size_t i) {
-      arcs_[i].curves = simplified(chain_of(arcs_[i]), tolerance);
-    });
+    parallel_for(arcs_.size(),
+                 [&](std::size_t i) { arcs_[i].curves = simplified(chain_of(arcs_[i]), tolerance); });
     return join_arcs();
   }
 
@@ -137,7 +135,7 @@ class Tracer {
     return chain;
   }
 
-  std::vector<std::vector<Outline>> join_arcs() const {
+  std::vector<std::vector<Loop>> join_arcs() const {
     struct Way {
       std::uint32_t arc;
       bool reversed;
@@ -150,11 +148,11 @@ class Tracer {
       ways[arc.left].emplace(first, Way{i, false});
       if (arc.right != kNoIndex) ways[arc.right].emplace(last, Way{i, true});
     }
-    std::vector<std::vector<Outline>> result(p_.regions.size());
+    std::vector<std::vector<Loop>> result(p_.regions.size());
     for (std::size_t r = 0; r < ways.size(); ++r) {
       auto& open = ways[r];
       while (!open.empty()) {
-        Outline& outline = result[r].emplace_back();
+        Loop& outline = result[r].emplace_back();
         for (auto next = open.begin(); next != open.end();) {
           const Way way = next->second;
           open.erase(next);
@@ -169,7 +167,7 @@ class Tracer {
     return result;
   }
 
-  static void append(const std::vector<Curve>& curves, bool reversed, Outline& outline) {
+  static void append(const std::vector<Curve>& curves, bool reversed, Loop& outline) {
     if (!reversed) {
       outline.insert(outline.end(), curves.begin(), curves.end());
       return;
@@ -189,8 +187,8 @@ class Tracer {
 
 }  // namespace
 
-std::vector<std::vector<Outline>> outlines(const Tessellator& tessellator, const Triangulation& triangles,
-                                           const Partition& partition, double tolerance) {
+std::vector<std::vector<Loop>> outlines(const Tessellator& tessellator, const Triangulation& triangles,
+                                        const Partition& partition, double tolerance) {
   return Tracer(tessellator, triangles, partition).run(tolerance);
 }
 

@@ -7,12 +7,9 @@
 
 namespace knotreel::exporting {
 
-/// A closed path: every curve goes on where the one before ends.
-using Outline = std::vector<Curve>;
-
 /// The outlines of all regions, holes among them, to be filled by the nonzero rule. What two regions share is
 /// the same curve in both, reversed. @param tolerance  for joining curves, pixels of the picture.
-std::vector<std::vector<Outline>> outlines(const Tessellator& tessellator, const Triangulation& triangles,
-                                           const Partition& partition, double tolerance);
+std::vector<std::vector<Loop>> outlines(const Tessellator& tessellator, const Triangulation& triangles,
+                                        const Partition& partition, double tolerance);
 
 }  // namespace knotreel::exporting

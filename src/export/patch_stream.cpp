@@ -19,7 +19,8 @@ namespace {
 
 /// Calls visit(make(i)) for i below count in order, making them block by block on all threads allowed.
 void in_blocks(std::size_t count, const std::function<void()>& checkpoint,
-               const std::function<Patch(std::size_t)>& make, const std::function<void(const Patch&)>& visit) {
+               const std::function<Patch(std::size_t)>& make,
+               const std::function<void(const Patch&)>& visit) {
   constexpr std::size_t kBlock = 512;
   std::vector<Patch> patches;
   for (std::size_t begin = 0; begin < count; begin += kBlock) {

@@ -45,10 +45,10 @@ class Merger {
  private:
   struct Group {
     std::uint32_t parent = 0;
-    std::uint32_t next = kNoIndex;    ///< triangles of a group are a list that begins at its root
+    std::uint32_t next = kNoIndex;  ///< triangles of a group are a list that begins at its root
     std::uint32_t last = 0;
     std::uint32_t size = 1;
-    std::uint32_t fitted = 1;      ///< its size when a paint was last fitted
+    std::uint32_t fitted = 1;  ///< its size when a paint was last fitted
     std::uint32_t version = 0;
     Moments moments;
     Paint paint;
@@ -171,8 +171,8 @@ class Merger {
     }
   }
 
-  /// What can hardly be seen goes to the neighbour whose paint is most like it: a strip of width w that is off
-  /// by e changes a pixel by e w.
+  /// What can hardly be seen goes to the neighbour whose paint is most like it: a strip of width w that is
+  /// off by e changes a pixel by e w.
   void absorb_thin() {
     std::vector<double> outline(groups_.size(), 0.0);
     for (std::uint32_t h = 0; h < t_.opposite.size(); ++h) {

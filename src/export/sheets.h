@@ -17,6 +17,9 @@ using mesh::kNoHalfEdge;
 /// A cubic Bezier curve in the image.
 using Curve = std::array<Vec2, 4>;
 
+/// A closed path: every curve goes on where the one before ends.
+using Loop = std::vector<Curve>;
+
 /// The surface of a model with the topology of its cut mesh: which half edges are walls, and points seen from
 /// a given side. Half edge 3*f + i runs from corner i of face f to the next. Immutable, thread safe.
 class Sheets {

@@ -15,11 +15,11 @@ constexpr double kQuadratic = 0.005;
 
 class PathWriter {
  public:
-  void add(const Outline& outline) {
-    start_ = rounded(outline.front()[0]);
+  void add(const Loop& outline) {
+    at_ = rounded(outline.front()[0]);
     text_ += 'M';
-    put_absolute(start_);
-    at_ = start_;
+    put(at_.x);
+    put(at_.y);
     for (const Curve& c : outline) add(c);
     text_ += 'z';
   }
@@ -28,7 +28,7 @@ class PathWriter {
 
  private:
   struct Point {
-    long x, y;
+    long x = 0, y = 0;
     bool operator==(const Point&) const = default;
   };
 
@@ -40,22 +40,22 @@ class PathWriter {
       if (end == at_) return;
       if (end.y == at_.y) {
         text_ += 'h';
-        put(end.x - at_.x, true);
+        put(end.x - at_.x);
       } else if (end.x == at_.x) {
         text_ += 'v';
-        put(end.y - at_.y, true);
+        put(end.y - at_.y);
       } else {
-        put_command('l');
+        text_ += 'l';
         put_relative(end);
       }
     } else {
       const Vec2 from = c[0] + 1.5 * (c[1] - c[0]);
       const Vec2 to = c[3] + 1.5 * (c[2] - c[3]);
       if (norm(from - to) <= kQuadratic) {
-        put_command('q');
+        text_ += 'q';
         put_relative(rounded(0.5 * (from + to)));
       } else {
-        put_command('c');
+        text_ += 'c';
         put_relative(rounded(c[1]));
         put_relative(rounded(c[2]));
       }
@@ -64,24 +64,20 @@ class PathWriter {
     at_ = end;
   }
 
-  void put_command(char command) { text_ += command; }
-
-  void put_absolute(Point p) {
-    put(p.x, true);
-    put(p.y, false);
+  void put_relative(Point p) {
+    put(p.x - at_.x);
+    put(p.y - at_.y);
   }
 
-  void put_relative(Point p) { put_absolute({p.x - at_.x, p.y - at_.y}); }
-
-  void put(long hundredths, bool) {
+  /// Numbers need no space before a minus or behind a letter.
+  void put(long hundredths) {
     const char last = text_.back();
     if (hundredths >= 0 && (last == '.' || (last >= '0' && last <= '9'))) text_ += ' ';
     append_number(text_, double(hundredths) / kUnit, 2);
   }
 
   std::string text_;
-  Point start_{};
-  Point at_{};
+  Point at_;
 };
 
 }  // namespace
@@ -99,9 +95,9 @@ std::string colour_text(const Rgb& colour, std::size_t channels) {
   return text;
 }
 
-std::string path_data(const std::vector<Outline>& outlines) {
+std::string path_data(const std::vector<Loop>& outlines) {
   PathWriter writer;
-  for (const Outline& outline : outlines) writer.add(outline);
+  for (const Loop& outline : outlines) writer.add(outline);
   return writer.take();
 }
 

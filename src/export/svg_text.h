@@ -10,7 +10,7 @@ namespace knotreel::exporting {
 std::string colour_text(const Rgb& colour, std::size_t channels);
 
 /// Path data of closed outlines, in numbers relative to the point before, to 0.01 px.
-std::string path_data(const std::vector<Outline>& outlines);
+std::string path_data(const std::vector<Loop>& outlines);
 
 /// A <linearGradient> element for the region's paint.
 std::string gradient_text(const std::string& id, const Region& region, std::size_t channels);

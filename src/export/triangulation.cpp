@@ -52,8 +52,7 @@ class Builder {
   /// Both sides of a feature have the same parameters there, bit for bit, and one curve in the image.
   std::uint32_t vertex_at(const SurfacePoint& point) {
     const Vec2 u{point.u.x + 0.0, point.u.y + 0.0};  // -0 is 0
-    const auto [entry, is_new] =
-        vertices_.try_emplace(u, static_cast<std::uint32_t>(result_.x.size()));
+    const auto [entry, is_new] = vertices_.try_emplace(u, static_cast<std::uint32_t>(result_.x.size()));
     if (is_new) result_.x.push_back(point.x);
     return entry->second;
   }

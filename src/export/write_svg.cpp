@@ -95,6 +95,7 @@ class SvgWriter {
       return partition.regions[a].area > partition.regions[b].area;
     });
     std::vector<std::string> fill(order.size());
+    std::string gradients;
     const auto id = [&](std::size_t i) { return prefix + std::to_string(i); };
     for (std::size_t i = 0; i < order.size(); ++i) {
       const Region& region = partition.regions[order[i]];
@@ -102,9 +103,10 @@ class SvgWriter {
         fill[i] = colour_text(region.paint.colour, count);
       } else {
         fill[i] = "url(#" + id(i) + "g)";
-        file_.write(gradient_text(id(i) + "g", region, count));
+        gradients += gradient_text(id(i) + "g", region, count);
       }
     }
+    if (!gradients.empty()) file_.write("<defs>\n" + gradients + "</defs>\n");
     const auto& mesh = model_.space->mesh();
     file_.write("<rect width=\"" + number_text(mesh.width, 3) + "\" height=\"" + number_text(mesh.height, 3) +
                 "\" fill=\"" + colour_text(partition.regions[order[0]].paint.colour, count) + "\"/>\n");

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <set>
 
 #include "export_models.h"
 #include "knotreel/base/error.h"
@@ -71,6 +72,42 @@ TEST(Svg, TellsThatThereAreNoStrokes) {
   const std::string svg = exported(write_svg, sample(4));
   const std::size_t root = svg.find("<svg ");
   EXPECT_LT(svg.find(" stroke=\"none\"", root), svg.find('>', root));
+}
+
+/// All names that are used, in what order ever, are given once.
+TEST(Svg, RefersToWhatItDefines) {
+  for (const int channels : {1, 2, 3, 4}) {
+    const std::string svg = exported(write_svg, sample(channels));
+    std::multiset<std::string> given;
+    const auto all = [&](const std::string& before, char end, auto visit) {
+      for (std::size_t at = svg.find(before); at != std::string::npos; at = svg.find(before, at + 1)) {
+        const std::size_t begin = at + before.size();
+        visit(svg.substr(begin, svg.find(end, begin) - begin));
+      }
+    };
+    all(" id=\"", '"', [&](const std::string& name) { given.insert(name); });
+    std::size_t used = 0;
+    const auto expect_given = [&](const std::string& name) {
+      EXPECT_EQ(given.count(name), 1u) << name;
+      ++used;
+    };
+    all("url(#", ')', expect_given);
+    all("href=\"#", '"', expect_given);
+    EXPECT_GT(used, 10u);
+    EXPECT_EQ(svg.find("d=\"\""), std::string::npos);
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+  }
+}
+
+TEST(Svg, OneColourIsOnePath) {
+  document::FrameModel model = sample(3);
+  for (std::size_t i = 0; i < model.colour.size(); ++i) model.colour[i] = i % 3 == 0 ? 255 : 17;
+  const std::string svg = exported(write_svg, model);
+  EXPECT_LT(svg.size(), 600u);
+  const std::size_t path = svg.find("<path ");
+  EXPECT_NE(svg.find("fill=\"#f11\"", path), std::string::npos);
+  EXPECT_EQ(svg.find("<path ", path + 1), std::string::npos);
+  EXPECT_EQ(svg.find("Gradient"), std::string::npos);
 }
 
 TEST(Pdf, GreyStaysGreyAndAlphaIsASoftMask) {

@@ -13,7 +13,8 @@ struct ExportOptions {
   /// Size of a picture pixel on the page: points (1/72 inch) in PDF, user units (CSS pixels) in SVG;
   /// 0.001 to 1000.
   double scale = 1;
-  /// More triangles than that are refused: files of many hundred megabytes help nobody.
+  /// More triangles than that are refused: files of many hundred megabytes help nobody. SVG takes some 700
+  /// bytes of memory for each.
   std::uint64_t max_triangles = 4'000'000;
   /// Called between units of work of about a tenth of a second; may throw to stop the export.
   std::function<void()> checkpoint;
@@ -24,8 +25,9 @@ struct ExportOptions {
 void check_options(const ExportOptions& options);
 
 struct ExportReport {
-  std::size_t layers = 0;
-  std::uint64_t triangles = 0;  ///< all that were written, rims and alpha included
+  std::size_t layers = 0;  ///< painted one over the other: groups of triangles in PDF, paths in SVG
+  /// All that were written, rims and alpha included; in SVG those that the paths were made from.
+  std::uint64_t triangles = 0;
 };
 
 }  // namespace knotreel::exporting
