@@ -8,7 +8,7 @@
 #include "cli/command.h"
 #include "cli/distinct_paths.h"
 #include "cli/document_part.h"
-#include "cli/interrupt.h"
+#include "cli/drawing_file.h"
 #include "cli/part_options.h"
 #include "cli/pictures.h"
 #include "cli/video_options.h"
@@ -16,18 +16,11 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/output_file.h"
 #include "knotreel/base/parallel.h"
-#include "knotreel/export/pdf.h"
-#include "knotreel/export/svg.h"
 #include "knotreel/video/picture_list.h"
 
 namespace knotreel::cli {
 namespace {
 
-// Above this, programs that show SVG become slow.
-constexpr std::uint64_t kLargeSvgBytes = 20'000'000;
-// Default colour tolerances: hardly to be told from the surface; and what keeps SVG at some megabytes.
-constexpr double kPdfTolerance = 2;
-constexpr double kSvgTolerance = 6;
 constexpr std::size_t kAtOnce = 16;  // frames of a sequence
 
 struct ExportArguments {
@@ -46,21 +39,18 @@ struct ExportArguments {
 /// "pdf" or "svg", from --format or the name of the output.
 std::string format_of(const ExportArguments& arguments) {
   if (!arguments.format.empty()) return arguments.format;
-  std::string extension = std::filesystem::path(arguments.output).extension().string();
-  for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  if (extension == ".pdf" || extension == ".svg") return extension.substr(1);
+  const std::string format = drawing_format(arguments.output);
+  if (!format.empty()) return format;
   throw Error(ErrorKind::kInvalidArgument,
               "export writes pdf and svg; name the output so or give --format: '" + arguments.output + "'");
 }
 
 exporting::ExportOptions options_of(const ExportArguments& arguments, const std::string& format) {
-  exporting::ExportOptions options;
+  exporting::ExportOptions options = drawing_options(format);
   options.scale = arguments.scale;
-  options.tessellation.colour_tolerance =
-      arguments.colour_tolerance.value_or(format == "pdf" ? kPdfTolerance : kSvgTolerance);
+  if (arguments.colour_tolerance) options.tessellation.colour_tolerance = *arguments.colour_tolerance;
   options.tessellation.geometry_tolerance = arguments.geometry_tolerance;
   options.max_triangles = arguments.max_triangles;
-  options.checkpoint = check_interrupted;
   return options;
 }
 
@@ -68,19 +58,9 @@ exporting::ExportOptions options_of(const ExportArguments& arguments, const std:
 std::uint64_t write_frame(const document::FrameModel& model, const exporting::ExportOptions& options,
                           const std::string& format, const std::filesystem::path& path) {
   OutputFile file(path);
-  if (format == "pdf") {
-    write_pdf(model, options, file);
-  } else {
-    write_svg(model, options, file);
-  }
+  write_drawing(model, options, format, file);
   file.commit();
   return file.size();
-}
-
-void warn_if_large(std::uint64_t bytes, const std::string& format) {
-  if (format != "svg" || bytes <= kLargeSvgBytes) return;
-  warn("the SVG has " + std::to_string(bytes / 1'000'000) +
-       " MB, which many programs show slowly; a larger --colour-tolerance makes it smaller");
 }
 
 void export_one(const ExportArguments& arguments, document::Reader& reader,

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <set>
 
+#include "cli/drawing_file.h"
 #include "knotreel/base/error.h"
 #include "knotreel/image/format.h"
 
@@ -13,11 +14,6 @@ std::string lower_extension(const std::filesystem::path& path) {
   std::string extension = path.extension().string();
   for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
   return extension;
-}
-
-bool has_export_name(const std::filesystem::path& path) {
-  const std::string extension = lower_extension(path);
-  return extension == ".svg" || extension == ".pdf";
 }
 
 }  // namespace
@@ -36,7 +32,7 @@ bool has_clip_name(const std::filesystem::path& path) {
 }
 
 void check_document_name(const std::string& name) {
-  const bool drawing = has_export_name(name);
+  const bool drawing = !drawing_format(name).empty();
   if (!drawing && !has_picture_name(name) && !has_clip_name(name)) return;
   const char* command = drawing ? "export" : "render";
   throw Error(ErrorKind::kInvalidArgument, "'" + name +
@@ -44,12 +40,12 @@ void check_document_name(const std::string& name) {
                                                command + " x.tcb -o " + name + "' makes the other from one");
 }
 
-void check_rendering_name(const std::string& name) {
+void check_rendering_name(const std::string& name, const std::string& document_command) {
   const bool document = lower_extension(name) == ".tcb";
-  if (!document && !has_export_name(name)) return;
-  const char* command = document ? "copy" : "export";
+  if (!document && drawing_format(name).empty()) return;
   throw Error(ErrorKind::kInvalidArgument, "'" + name + "' is no name for a picture or a video; 'knotreel " +
-                                               command + " FILE -o " + name + "' writes such a file");
+                                               (document ? document_command + " FILE" : "export FILE.tcb") +
+                                               " -o " + name + "' writes such a file");
 }
 
 }  // namespace knotreel::cli

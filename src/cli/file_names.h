@@ -16,8 +16,9 @@ bool has_clip_name(const std::filesystem::path& path);
 /// @throws Error{kInvalidArgument} that tells which command writes what the name promises.
 void check_document_name(const std::string& name);
 
-/// To be called before a picture or a video is drawn. @throws Error{kInvalidArgument} that tells which
-/// command writes what the name promises, if that is a document or a drawing for other programs.
-void check_rendering_name(const std::string& name);
+/// To be called before a picture or a video is drawn. @param document_command  writes a document from what
+/// the caller reads. @throws Error{kInvalidArgument} that tells which command writes what the name promises,
+/// if that is a document or a drawing for other programs.
+void check_rendering_name(const std::string& name, const std::string& document_command);
 
 }  // namespace knotreel::cli

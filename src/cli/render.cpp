@@ -106,7 +106,7 @@ void check_kind(const CLI::App& command, bool video) {
 /// Everything that can be told before the document is read.
 void check_arguments(const CLI::App& command, const RenderArguments& arguments, bool video) {
   check_kind(command, video);
-  if (arguments.format.empty()) check_rendering_name(arguments.output);
+  if (arguments.format.empty()) check_rendering_name(arguments.output, "copy");
   check_output_size(arguments.scale, arguments.size);
   if (!arguments.crop.empty()) parse_rect("--crop", arguments.crop);
   parse_background(arguments.background);

@@ -1,6 +1,7 @@
 #include <memory>
 
 #include "cli/command.h"
+#include "cli/file_names.h"
 #include "cli/parse.h"
 #include "cli/video_run.h"
 #include "knotreel/base/error.h"
@@ -22,6 +23,7 @@ void transcode(TranscodeArguments& arguments) {
     throw Error(ErrorKind::kInvalidArgument, "--output is required (see knotreel transcode --help)");
   }
   warn_if_not_written(run.video.path, arguments.format);
+  if (arguments.format.empty()) check_rendering_name(run.video.path, "vectorize");
   const std::string output = run.video.path.empty() ? "-" : run.video.path;
   run.video.path = nowhere ? arguments.format : output;  // these write no file
   run.video.options = write_options(arguments.encoding, arguments.format, run.threads);

@@ -8,6 +8,7 @@
 #include "cli/command.h"
 #include "cli/debug/debug_pictures.h"
 #include "cli/distinct_paths.h"
+#include "cli/drawing_file.h"
 #include "cli/file_names.h"
 #include "cli/interrupt.h"
 #include "cli/metrics_report.h"
@@ -95,7 +96,8 @@ struct OutputFiles {
 /// All that docs/stats.md promises.
 nlohmann::ordered_json stats_json(const VectorizeArguments& arguments, const image::Image& image,
                                   const vectorize::Options& options, const vectorize::Report& report,
-                                  const StillDocument& document, const image::ImageMetrics& metrics) {
+                                  const StillDocument& document, std::uint64_t file_bytes,
+                                  const image::ImageMetrics& metrics) {
   const auto& space = *document.model.space;
   nlohmann::ordered_json stats{{"version", KNOTREEL_VERSION},
                                {"input", arguments.input},
@@ -114,14 +116,15 @@ nlohmann::ordered_json stats_json(const VectorizeArguments& arguments, const ima
                                {"control_points", space.function_count()},
                                {"edge_softness", document.model.edge_softness},
                                {"raw_accounting_bytes", document::raw_accounting_bytes(document.model)},
-                               {"file_bytes", document.bytes.size()}};
+                               {"file_bytes", file_bytes}};
   stats.update(metrics_json(metrics));
   return stats;
 }
 
 void vectorize_picture(const VectorizeArguments& arguments) {
   check_paths({arguments.input}, outputs_of(arguments));
-  check_document_name(arguments.output);
+  const std::string drawing = drawing_format(arguments.output);
+  if (drawing.empty()) check_document_name(arguments.output);
   const ThreadCap cap(arguments.threads);
   StageTimer timer;
   image::ImageFileInfo source;
@@ -146,8 +149,13 @@ void vectorize_picture(const VectorizeArguments& arguments) {
   timer.finish("vectorize");
 
   const StillDocument document = still_document(image, made.model);
-  files.document.write(document.bytes);
+  if (drawing.empty()) {
+    files.document.write(document.bytes);
+  } else {
+    write_drawing(document.model, drawing_options(drawing), drawing, files.document);
+  }
   files.document.commit();
+  warn_if_large(files.document.size(), drawing);
   timer.finish("write");
 
   const image::ImageMetrics metrics = image::compare_images(image, render_whole(document.model, {}));
@@ -155,7 +163,7 @@ void vectorize_picture(const VectorizeArguments& arguments) {
   watcher.see_stored(image, document.model);
 
   if (files.stats) {
-    auto stats = stats_json(arguments, image, options, made.report, document, metrics);
+    auto stats = stats_json(arguments, image, options, made.report, document, files.document.size(), metrics);
     stats["seconds"] = timer.seconds();
     files.stats->write(stats.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
     files.stats->commit();
@@ -164,7 +172,7 @@ void vectorize_picture(const VectorizeArguments& arguments) {
     const auto& space = *document.model.space;
     tell_result(fmt::format("{}: {} knots, {} control points, {} bytes, PSNR {}\n",
                             printable(arguments.output), space.mesh().knots.size(), space.function_count(),
-                            document.bytes.size(), psnr_text(metrics.psnr)));
+                            files.document.size(), psnr_text(metrics.psnr)));
   }
 }
 
@@ -200,6 +208,7 @@ Examples:
   knotreel vectorize photo.png -o fine.tcb --preset fine --max-control-points 5%
   knotreel vectorize scan.tiff -o scan.tcb --degree 3 --edge-threshold 20 --stats scan.json
   knotreel vectorize clip.mp4 -o clip.tcb
+  knotreel vectorize logo.png -o logo.svg
   knotreel vectorize logo.png -o logo.tcb --debug-dir logo-stages)";
 
 }  // namespace
@@ -211,7 +220,8 @@ void add_vectorize_command(CLI::App& program) {
       ->type_name("")
       ->required();
   command
-      ->add_option("-o,--output", arguments->output, "Vector document to write (.tcb); '-': standard output")
+      ->add_option("-o,--output", arguments->output,
+                   "Vector document to write (.tcb), or one picture as .svg or .pdf;\n'-': standard output")
       ->type_name("FILE");
   add_vectorize_options(*command, arguments->options, kBoundOfPicturesAndVideos);
   command

@@ -19,6 +19,24 @@ TEST(CliExport, WritesPdfAndSvgByTheNameOfTheOutput) {
   EXPECT_TRUE(read_text(sample.path("x.SVG")).starts_with("<?xml"));
 }
 
+/// A picture becomes a drawing at once, the same as by way of its document.
+TEST(CliExport, IsWhatVectorizeWritesUnderTheNameOfADrawing) {
+  const Sample sample;
+  expect_success(test::knotreel({"vectorize", sample.picture, "-o", sample.path("y.tcb")}));
+  for (const std::string extension : {".svg", ".PDF"}) {
+    const std::string stats = sample.path("stats.json");
+    expect_success(test::knotreel({"export", sample.path("y.tcb"), "-o", sample.path("a" + extension)}));
+    const auto result =
+        test::knotreel({"vectorize", sample.picture, "-o", sample.path("b" + extension), "--stats", stats});
+    expect_success(result);
+    const std::string drawing = read_text(sample.path("b" + extension));
+    EXPECT_EQ(drawing, read_text(sample.path("a" + extension)));
+    const std::string bytes = std::to_string(drawing.size());
+    EXPECT_NE(result.out.find(bytes + " bytes"), std::string::npos) << result.out;
+    EXPECT_NE(read_text(stats).find("\"file_bytes\": " + bytes), std::string::npos);
+  }
+}
+
 TEST(CliExport, StandardInputAndOutputGiveTheSameBytes) {
   const Sample sample;
   expect_success(test::knotreel({"export", sample.document, "-o", sample.path("x.pdf")}));

@@ -6,6 +6,7 @@
 #include "cli/info/facts.h"
 #include "cli/interrupt.h"
 #include "cli/pictures.h"
+#include "cli/printable.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/pipeline/sequence.h"
 

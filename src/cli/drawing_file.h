@@ -1,0 +1,25 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "knotreel/base/output_file.h"
+#include "knotreel/document/frame_model.h"
+#include "knotreel/export/options.h"
+
+namespace knotreel::cli {
+
+/// "pdf" or "svg" if the name ends so, in capitals or not; else "".
+std::string drawing_format(const std::filesystem::path& path);
+
+/// With the default tolerances of the format, and stopped by signals.
+exporting::ExportOptions drawing_options(const std::string& format);
+
+/// Writes a frame as "pdf" or "svg"; does not commit the file.
+void write_drawing(const document::FrameModel& model, const exporting::ExportOptions& options,
+                   const std::string& format, OutputFile& file);
+
+/// Tells of files that many programs show slowly.
+void warn_if_large(std::uint64_t bytes, const std::string& format);
+
+}  // namespace knotreel::cli
