@@ -199,7 +199,7 @@ std::vector<Curve> simplified(const std::vector<Curve>& chain, double tolerance)
   for (std::size_t begin = 0; begin < chain.size();) {
     const bool lines = is_straight(chain[begin]);
     std::size_t end = begin + 1;
-    while (end < chain.size() && is_straight(chain[end]) == lines &&
+    while (end < chain.size() && end - begin < kLongest && is_straight(chain[end]) == lines &&
            (lines || !is_corner(chain[end - 1], chain[end]))) {
       ++end;
     }

@@ -78,7 +78,7 @@ class SvgWriter {
            number_text(mesh.width, 3) + "\" height=\"" + number_text(mesh.height, 3) + "\">\n";
   }
 
-  /// All regions, the largest first. @param prefix  of their ids.
+  /// The picture of some channels. @param prefix  of the ids.
   void paint(std::size_t first, std::size_t count, const std::string& prefix) {
     RegionOptions wanted;
     wanted.first = first;
@@ -87,41 +87,59 @@ class SvgWriter {
     wanted.hidden = options_.tessellation.colour_tolerance;
     wanted.checkpoint = options_.checkpoint;
     const Partition partition = merge_triangles(triangles_, wanted);
-    const auto outlines = exporting::outlines(tessellator_, triangles_, partition,
-                                              0.5 * options_.tessellation.geometry_tolerance);
+    if (partition.regions.empty()) return;
+    const auto loops =
+        outlines(tessellator_, triangles_, partition, 0.5 * options_.tessellation.geometry_tolerance);
+    const std::vector<Shape> shapes = define_shapes(partition, count, prefix);
+    write_ground(colour_text(partition.regions[shapes.front().region].paint.colour, count));
+    write_lines(shapes);
+    for (const Shape& shape : shapes) {
+      file_.write("<path id=\"" + shape.id + "\" fill=\"" + shape.fill + "\" d=\"" +
+                  path_data(loops[shape.region]) + "\"/>\n");
+    }
+    paths_ += shapes.size();
+  }
+
+  struct Shape {
+    std::uint32_t region;
+    std::string id;
+    std::string fill;
+  };
+
+  /// Largest first. Writes the gradients.
+  std::vector<Shape> define_shapes(const Partition& partition, std::size_t count, const std::string& prefix) {
     std::vector<std::uint32_t> order(partition.regions.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
       return partition.regions[a].area > partition.regions[b].area;
     });
-    std::vector<std::string> fill(order.size());
+    std::vector<Shape> shapes;
     std::string gradients;
-    const auto id = [&](std::size_t i) { return prefix + std::to_string(i); };
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      const Region& region = partition.regions[order[i]];
-      if (region.flat) {
-        fill[i] = colour_text(region.paint.colour, count);
-      } else {
-        fill[i] = "url(#" + id(i) + "g)";
-        gradients += gradient_text(id(i) + "g", region, count);
-      }
+    for (const std::uint32_t r : order) {
+      const Region& region = partition.regions[r];
+      const std::string id = prefix + std::to_string(shapes.size());
+      if (!region.flat) gradients += gradient_text(id + "g", region, count);
+      shapes.push_back({r, id, region.flat ? colour_text(region.paint.colour, count) : "url(#" + id + "g)"});
     }
     if (!gradients.empty()) file_.write("<defs>\n" + gradients + "</defs>\n");
+    return shapes;
+  }
+
+  /// Where a picture is shown so small that lines do not cover what shines through.
+  void write_ground(const std::string& colour) {
     const auto& mesh = model_.space->mesh();
     file_.write("<rect width=\"" + number_text(mesh.width, 3) + "\" height=\"" + number_text(mesh.height, 3) +
-                "\" fill=\"" + colour_text(partition.regions[order[0]].paint.colour, count) + "\"/>\n");
-    // Where two regions meet, the line of the one that is filled first is to be on top: a pixel is then of
-    // that colour before the other one's share of it is painted.
+                "\" fill=\"" + colour + "\"/>\n");
+  }
+
+  /// Where two regions meet, the line of the one that is filled first is to be on top: a pixel is then of
+  /// that colour before the other one's share of it is painted.
+  void write_lines(const std::vector<Shape>& shapes) {
     file_.write("<g stroke-width=\"" + number_text(kLineWidth, 2) + "\" stroke-linejoin=\"round\">\n");
-    for (std::size_t i = order.size(); i-- > 0;) {
-      file_.write("<use xlink:href=\"#" + id(i) + "\" stroke=\"" + fill[i] + "\"/>\n");
+    for (auto shape = shapes.rbegin(); shape != shapes.rend(); ++shape) {
+      file_.write("<use xlink:href=\"#" + shape->id + "\" stroke=\"" + shape->fill + "\"/>\n");
     }
     file_.write("</g>\n");
-    for (std::size_t i = 0; i < order.size(); ++i) {
-      file_.write("<path id=\"" + id(i) + "\" fill=\"" + fill[i] + "\" d=\"" + path_data(outlines[order[i]]) +
-                  "\"/>\n");
-    }
-    paths_ += order.size();
   }
 
   const ExportOptions& options_;
