@@ -12,6 +12,9 @@ namespace {
 constexpr double kCorner = 0.2;
 constexpr int kSamples = 6;      ///< of a curve, its end included
 constexpr int kCorrections = 4;  ///< of the parameters of samples
+// Longer stretches are cut: both ways of simplifying look at all of a stretch for each part that it falls
+// into.
+constexpr std::size_t kLongest = 512;
 
 Vec2 at(const Curve& c, double t) {
   const double s = 1 - t;
