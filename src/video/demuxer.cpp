@@ -192,7 +192,11 @@ PacketPtr Demuxer::read(std::string& why) {
     if (packet->pos >= 0) packets_end_ = packet->pos + packet->size;
     if (packet->stream_index == video_) video_dts_ = packet->dts;
     // Streams may turn up late, when everything has been set up without them.
-    if (packet->stream_index == video_ || copied(packet->stream_index)) return packet;
+    if (packet->stream_index == video_ || copied(packet->stream_index)) {
+      if ((format_->iformat->flags & AVFMT_TS_DISCONT) != 0)
+        times_.move(*packet, *format_->streams[packet->stream_index]);
+      return packet;
+    }
     av_packet_unref(packet.get());
   }
 }

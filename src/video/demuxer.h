@@ -5,6 +5,7 @@
 #include <string>
 
 #include "file_end.h"
+#include "joined_times.h"
 #include "knotreel/video/reader.h"
 #include "libav.h"
 #include "pipe_io.h"
@@ -31,6 +32,9 @@ class Demuxer {
   /// The next packet of the video or of a copied stream; null at the end.
   /// @param why  set to what ended the file early; empty otherwise.
   PacketPtr read(std::string& why);
+
+  /// How often the clock of what was read has started anew (JoinedTimes).
+  std::size_t joints() const { return times_.joints(); }
 
   /// Goes on with the last packet before a time from which the video can be decoded, if the file has an index
   /// of when frames are shown. @param pts ticks of the video stream. @return whether it did.
@@ -63,6 +67,7 @@ class Demuxer {
   std::int64_t packets_end_ = 0;             ///< of those read so far, bytes
   std::int64_t video_dts_ = AV_NOPTS_VALUE;  ///< of the last packet of the video
   bool copy_ = false;
+  JoinedTimes times_;
 };
 
 /// Name of the demuxer's kind for single pictures, such as png_pipe.

@@ -11,7 +11,7 @@ namespace knotreel::video {
 namespace {
 
 constexpr std::size_t kMostBytes = std::size_t{1} << 30;
-constexpr int kBufferBytes = 32 * 1024;
+constexpr int kPipeBytes = 32 * 1024;
 
 /// The first bytes, which stay there to be read.
 std::string start_of(AVIOContext& pipe) {
@@ -44,7 +44,7 @@ PipeIo::~PipeIo() {
 }
 
 void PipeIo::read_all(const std::string& cannot_read) {
-  std::array<unsigned char, kBufferBytes> part;
+  std::array<unsigned char, kPipeBytes> part;
   for (;;) {
     const int got = avio_read(pipe_, part.data(), int(part.size()));
     check_while_working();
@@ -54,8 +54,8 @@ void PipeIo::read_all(const std::string& cannot_read) {
     if (bytes_.size() > kMostBytes)
       throw Error(ErrorKind::kInput, cannot_read + "a GIF from a pipe may have up to 1 GiB");
   }
-  auto* buffer = static_cast<unsigned char*>(allocated(av_malloc(kBufferBytes)));
-  memory_ = avio_alloc_context(buffer, kBufferBytes, 0, this, on_read, nullptr, on_seek);
+  auto* buffer = static_cast<unsigned char*>(allocated(av_malloc(kPipeBytes)));
+  memory_ = avio_alloc_context(buffer, kPipeBytes, 0, this, on_read, nullptr, on_seek);
   if (memory_ != nullptr) return;
   av_free(buffer);
   throw std::bad_alloc();

@@ -171,7 +171,11 @@ FramePtr StreamSource::receive() {
 /// Null at the end.
 PacketPtr StreamSource::read_packet() {
   std::string why;
+  const std::size_t joints = demuxer_.joints();
   PacketPtr packet = demuxer_.read(why);
+  if (demuxer_.joints() > joints)
+    warnings_.count(
+        "joints, where the clock of the input starts anew: what follows is put behind what was before");
   if (!why.empty()) {
     if (strict_) throw Error(ErrorKind::kInput, demuxer_.cannot_read() + why);
     warnings_.add("the input ends early: " + why);
