@@ -64,6 +64,12 @@ bool is_for_transport(AVCodecID id) {
   return std::find(kCodecs.begin(), kCodecs.end(), id) != kCodecs.end();
 }
 
+/// Muxers of program streams take any text for the pictures of DVDs.
+bool is_program_stream(const std::string& container) {
+  constexpr std::array kNames{"mpeg", "vob", "dvd", "svcd", "vcd"};
+  return std::find(kNames.begin(), kNames.end(), container) != kNames.end();
+}
+
 /// False where it is certain.
 bool may_take(const AVOutputFormat& container, const AVCodecParameters& candidate) {
   const AVCodecID id = candidate.codec_id;
@@ -72,7 +78,16 @@ bool may_take(const AVOutputFormat& container, const AVCodecParameters& candidat
   // Asked for fonts, it says no, and takes them.
   if (candidate.codec_type == AVMEDIA_TYPE_ATTACHMENT) return name == "matroska";
   if (name == "mpegts") return is_for_transport(id);
-  const int answer = avformat_query_codec(&container, id, FF_COMPLIANCE_NORMAL);
+  if (is_program_stream(name) && candidate.codec_type == AVMEDIA_TYPE_SUBTITLE)
+    return id == AV_CODEC_ID_DVD_SUBTITLE;
+  // By its rate of bytes, which these do not have, AVI would tell wrong times.
+  if (name == "avi" && (id == AV_CODEC_ID_FLAC || id == AV_CODEC_ID_VORBIS)) return false;
+  // Sound that Matroska has no name for goes by its number in WAV files; if it has none, the header fails.
+  // That of Flash nobody reads.
+  const bool has_numbers =
+      name == "matroska" && candidate.codec_type == AVMEDIA_TYPE_AUDIO && id != AV_CODEC_ID_ADPCM_SWF;
+  const int answer =
+      avformat_query_codec(&container, id, has_numbers ? FF_COMPLIANCE_UNOFFICIAL : FF_COMPLIANCE_NORMAL);
   // One that does not know and has no sound of its own, such as rawvideo, is a row of pictures, in which any
   // other packet would be taken for one.
   return answer > 0 || (answer < 0 && container.audio_codec != AV_CODEC_ID_NONE);

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <filesystem>
@@ -53,7 +54,10 @@ INSTANTIATE_TEST_SUITE_P(
     Containers, Copied,
     testing::Values(Copy{"a.mp4", "aac", "b.mp4", 1e-9}, Copy{"a.mp4", "aac", "b.mov", 1e-9},
                     Copy{"a.mp4", "aac", "b.mkv", 0.0011}, Copy{"a.mkv", "aac", "b.mp4", 0.0011},
-                    Copy{"a.mov", "pcm_s16le", "b.mov", 1e-9}, Copy{"a.mov", "pcm_s16le", "b.mkv", 0.0011}));
+                    Copy{"a.mov", "pcm_s16le", "b.mov", 1e-9}, Copy{"a.mov", "pcm_s16le", "b.mkv", 0.0011},
+                    // What cameras and old programs write; Matroska has no names of its own for these.
+                    Copy{"a.mov", "pcm_alaw", "b.mkv", 0.0011}, Copy{"a.avi", "pcm_mulaw", "b.mkv", 0.0011},
+                    Copy{"a.wmv", "wmav2", "b.mkv", 0.0021}));
 
 TEST(Copies, WhatTheContainerDoesNotTakeIsLeftOutAndTold) {
   const TempDir dir;
@@ -126,6 +130,27 @@ TEST(Copies, WhatTransportStreamsHaveNoTypeForIsLeftOut) {
   EXPECT_NE(warnings[0].find("subrip"), std::string::npos);
   EXPECT_NE(warnings[1].find("ttf"), std::string::npos);
   EXPECT_EQ(streams_of(dir / "b.ts"), "video h264, audio aac");
+}
+
+/// They take any text for the pictures of DVDs.
+TEST(Copies, TextsAreLeftOutOfProgramStreams) {
+  const TempDir dir;
+  write_titled_clip(dir / "a.mkv");
+  const std::vector<std::string> warnings = copy_clip(dir / "a.mkv", dir / "b.mpg");
+  EXPECT_TRUE(std::any_of(warnings.begin(), warnings.end(), [](const std::string& line) {
+    return line == "stream 2 (subtitle, subrip) is left out: container 'mpeg' does not take it";
+  }));
+  EXPECT_EQ(streams_of(dir / "b.mpg").find("subtitle"), std::string::npos);
+}
+
+/// AVI has no times but by a rate, which packets of these do not have.
+TEST(Copies, SoundThatAviHasNoTimesForIsLeftOut) {
+  for (const char* codec : {"flac", "libvorbis"}) {
+    const TempDir dir;
+    write_sound_clip(dir / "a.mkv", codec, true);
+    EXPECT_EQ(copy_clip(dir / "a.mkv", dir / "b.avi").size(), 1u) << codec;
+    EXPECT_TRUE(read_clip(dir / "b.avi").packets.empty()) << codec;
+  }
 }
 
 TEST(Copies, AreNotReadIfNotWanted) {
