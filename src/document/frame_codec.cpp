@@ -91,17 +91,12 @@ void require_fitting(const FrameModel& model, const Format& format) {
   const auto require = [](bool holds, const char* what) {
     if (!holds) throw Error(ErrorKind::kInvalidArgument, std::string("cannot store a frame: ") + what);
   };
-  require(model.space != nullptr, "it has no spline space");
+  const std::optional<std::string> defect = find_defect(model);
+  if (defect) throw Error(ErrorKind::kInvalidArgument, "cannot store a frame: " + *defect);
   require(model.space->degree() == format.info.degree, "its degree is not that of the document");
   require(model.channels == format.info.channels, "its channels are not those of the document");
   require(model.space->mesh().width == format.info.width && model.space->mesh().height == format.info.height,
           "its size is not that of the document");
-  require(model.displacement.size() == model.space->geometry_count(),
-          "it has too few or too many displacements");
-  require(model.colour.size() == model.space->function_count() * static_cast<std::size_t>(model.channels),
-          "it has too few or too many control colours");
-  require(model.edge_softness >= 0 && model.edge_softness <= kMostEdgeSoftness,
-          "the softness of its edges is out of range");
   require(is_time(model.pts), "its time is out of range");
 }
 

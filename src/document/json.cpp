@@ -2,8 +2,10 @@
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/spline/space.h"
 
 namespace knotreel::document {
@@ -67,6 +69,8 @@ Json function_json(const FrameModel& model, spline::FunctionIndex f,
 }  // namespace
 
 std::string frame_to_json(const FrameModel& model, const SequenceInfo& info) {
+  const std::optional<std::string> defect = find_defect(model);
+  if (defect) throw Error(ErrorKind::kInvalidArgument, "cannot print a frame: " + *defect);
   const spline::SplineSpace& space = *model.space;
   const mesh::KnotMesh& mesh = space.mesh();
   Instances instances(mesh, space.degree());

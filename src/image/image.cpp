@@ -6,6 +6,13 @@
 
 namespace knotreel::image {
 
+void check_image(const Image& image) {
+  const bool has_pixels = image.width >= 1 && image.height >= 1 && image.channels >= 1 && image.channels <= 4;
+  if (has_pixels && image.samples.size() == std::size_t(image.height) * image.row_size()) return;
+  throw Error(ErrorKind::kInvalidArgument, has_pixels ? "the picture's size and its samples do not agree"
+                                                      : "a picture needs pixels, and 1 to 4 channels");
+}
+
 Image make_image(int width, int height, int channels) {
   if (width < 1 || height < 1 || channels < 1 || channels > 4) {
     throw Error(ErrorKind::kInvalidArgument, "a picture of " + std::to_string(width) + "x" +
@@ -23,6 +30,7 @@ Image make_image(int width, int height, int channels) {
 }
 
 Image widen_channels(const Image& image, int channels) {
+  check_image(image);
   if (channels == image.channels) return image;
   Image wide = make_image(image.width, image.height, channels);
   if (wide.colour_channels() < image.colour_channels() || (image.has_alpha() && !wide.has_alpha())) {

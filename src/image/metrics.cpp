@@ -254,6 +254,8 @@ ImageMetrics compare_images(const Image& a, const Image& b, Figures figures) {
                                                  std::to_string(b.width) + "x" + std::to_string(b.height));
   }
   if (a.pixel_count() == 0) throw Error(ErrorKind::kInvalidArgument, "the pictures are empty");
+  check_image(a);
+  check_image(b);
   if (a.channels == b.channels) return compare_as_seen(a, b, figures);
   const int colours = std::max(a.colour_channels(), b.colour_channels());
   const int channels = colours + (a.has_alpha() || b.has_alpha() ? 1 : 0);

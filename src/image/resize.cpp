@@ -66,6 +66,7 @@ Image columns_resized(const Image& image, int width) {
 }  // namespace
 
 Image resize(const Image& image, int width, int height) {
+  check_image(image);
   return columns_resized(rows_resized(image, height), width);
 }
 

@@ -20,6 +20,8 @@ int cells(int pixels) {
 std::vector<std::uint8_t> unchanged_cells(const image::Image& before, const image::Image& now) {
   if (before.width != now.width || before.height != now.height || before.channels != now.channels)
     throw Error(ErrorKind::kInvalidArgument, "two pictures of a video differ in size");
+  image::check_image(before);
+  image::check_image(now);
   const auto columns = static_cast<std::size_t>(cells(now.width));
   const auto rows = static_cast<std::size_t>(cells(now.height));
   std::vector<std::uint8_t> result(columns * rows, 1);

@@ -7,12 +7,18 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/ticks.h"
 #include "knotreel/pipeline/sequence.h"
+#include "pipeline/required.h"
 
 namespace knotreel::pipeline {
 namespace {
 
 std::size_t checked_last(const RenderJob& job) {
   const std::size_t count = job.reader->frame_count();
+  if (!job.last && job.first >= count) {
+    throw Error(ErrorKind::kInvalidArgument, "there is no frame " + std::to_string(job.first) +
+                                                 ": the document has " + std::to_string(count) +
+                                                 ", counted from 0");
+  }
   const std::size_t last = job.last.value_or(count - 1);
   if (job.first > last || last >= count) {
     throw Error(ErrorKind::kInvalidArgument, "there are no frames " + std::to_string(job.first) + "-" +
@@ -55,7 +61,9 @@ std::int64_t frames_in(double length, double ticks_per_frame) {
 }  // namespace
 
 Schedule::Schedule(const RenderJob& job)
-    : reader_(job.reader), stored_(as_stored(job, checked_last(job))), stream_(stream_info(reader_->info())) {
+    : reader_(&required(job.reader)),
+      stored_(as_stored(job, checked_last(job))),
+      stream_(stream_info(reader_->info())) {
   count_ = static_cast<std::int64_t>(stored_.size());
   if (job.first > 0) stream_.start = 0;
   if (job.first > 0 || job.rate.known()) origin_ = reader_->record(job.first).pts;

@@ -8,6 +8,7 @@
 #include "knotreel/motion/luma.h"
 #include "knotreel/pipeline/sequence.h"
 #include "knotreel/track/curve_error.h"
+#include "pipeline/required.h"
 #include "pipeline/split_folder.h"
 #include "pipeline/timed.h"
 
@@ -27,7 +28,7 @@ bool is_awaited(const Message& message) {
 
 Stages::Stages(const Job& job)
     : job_(job),
-      info_(sequence_info(job.reader->info(), job.source, job.cold.degree)),
+      info_(sequence_info(required(job.reader).info(), job.source, job.cold.degree)),
       output_(job.video, job.reader->info(), job.reader, job.on_frame,
               job.ssim ? image::Figures::kAll : image::Figures::kWithoutSsim),
       beside_(job),

@@ -17,6 +17,8 @@ void require(bool condition, const char* message) {
 }  // namespace
 
 FrameSize resolve_size(const document::FrameModel& model, const RenderOptions& options) {
+  const std::optional<std::string> defect = document::find_defect(model);
+  if (defect) throw Error(ErrorKind::kInvalidArgument, "cannot draw a frame: " + *defect);
   const auto& mesh = model.space->mesh();
   FrameSize s{};
   s.width = options.width != 0 ? options.width : static_cast<int>(std::lround(mesh.width));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 
+#include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "spline/jet.h"
 
@@ -89,7 +90,9 @@ void append_values(const PieceSet& set, const TermIndex& index, Vec2 u, Vec2 dir
 }  // namespace
 
 Basis::Basis(std::shared_ptr<const SplineSpace> space)
-    : space_(std::move(space)), pieces_(make_pieces(*space_)) {}
+    : space_(space ? std::move(space)
+                   : throw Error(ErrorKind::kInvalidArgument, "there is no spline space to evaluate")),
+      pieces_(make_pieces(*space_)) {}
 
 const TermIndex& Basis::index() const {
   std::call_once(index_->made, [this] {

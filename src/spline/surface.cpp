@@ -2,6 +2,7 @@
 
 #include <algorithm>
 
+#include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "spline/jet.h"
 #include "spline/tent.h"
@@ -12,6 +13,14 @@ namespace knotreel::spline {
 namespace {
 
 constexpr std::size_t kPoints = 256;  // of one call of a parallel loop
+
+void check_control(const Basis& basis, const Control& control) {
+  const bool fits =
+      control.channels >= 1 && control.channels <= kMaxSurfaceChannels &&
+      control.points.size() == basis.space().function_count() * static_cast<std::size_t>(control.channels);
+  if (!fits)
+    throw Error(ErrorKind::kInvalidArgument, "the control points of a surface are not one per function");
+}
 
 void add(Plane& sum, double weight, const Plane& p) {
   sum = {sum.c + weight * p.c, sum.x + weight * p.x, sum.y + weight * p.y};
@@ -128,7 +137,10 @@ template void surface_at_pixels(const PixelTiles&, const Control&, std::span<flo
 
 void surface_at_points(const Basis& basis, const Control& control, std::span<const Vec2> points,
                        std::span<double> out) {
+  check_control(basis, control);
   const auto channels = static_cast<std::size_t>(control.channels);
+  if (out.size() != channels * points.size())
+    throw Error(ErrorKind::kInvalidArgument, "there is not as much room as the points have values");
   const PieceSet& set = basis.pieces();
   const mesh::KnotMesh& mesh = basis.space().mesh();
   const TermIndex& index = basis.index();
@@ -154,7 +166,10 @@ void surface_at_points(const Basis& basis, const Control& control, std::span<con
 }
 
 void surface_jets(const Basis& basis, const Control& control, Vec2 u, Vec2 direction, std::span<Jet> out) {
+  check_control(basis, control);
   const auto channels = static_cast<std::size_t>(control.channels);
+  if (out.size() != channels)
+    throw Error(ErrorKind::kInvalidArgument, "there is not as much room as there are channels");
   const PieceSet& set = basis.pieces();
   const TermIndex& index = basis.index();
   std::fill_n(out.begin(), channels, Jet{});

@@ -2,10 +2,12 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <unordered_map>
 #include <utility>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/mesh/predicates.h"
 #include "track/matching.h"
 
@@ -161,6 +163,12 @@ document::FrameModel towards(const document::FrameModel& near, const document::F
 
 document::FrameModel between(const document::FrameModel& before, const document::FrameModel& after,
                              double share) {
+  for (const document::FrameModel* model : {&before, &after}) {
+    const std::optional<std::string> defect = document::find_defect(*model);
+    if (defect) throw Error(ErrorKind::kInvalidArgument, "there is no frame beside one of which " + *defect);
+  }
+  if (!(share >= 0 && share <= 1))
+    throw Error(ErrorKind::kInvalidArgument, "a frame between two is at a share from 0 to 1");
   return share < 0.5 ? towards(before, after, share) : towards(after, before, 1 - share);
 }
 

@@ -12,6 +12,10 @@ GroupRule::GroupRule(const TrackOptions& options, Start first) : options_(option
     throw Error(ErrorKind::kInvalidArgument, "the frames between looks at what drifts are at least 1");
   if (options.rework_interval < 1)
     throw Error(ErrorKind::kInvalidArgument, "knots are looked at every frame or less often");
+  if (!(options.temporal_weight >= 0 && options.temporal_weight <= 1))
+    throw Error(ErrorKind::kInvalidArgument, "the temporal weight is a share from 0 to 1");
+  if (!(options.scene_threshold >= 0))
+    throw Error(ErrorKind::kInvalidArgument, "the threshold of cuts is negative");
   if (!(options.repair_patience >= 0))
     throw Error(ErrorKind::kInvalidArgument, "the patience with repairs is negative");
   if (options.bend_interval < 1)

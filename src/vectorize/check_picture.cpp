@@ -12,6 +12,7 @@ namespace knotreel::vectorize {
 void check_picture(const image::Image& picture) {
   const auto refuse = [](const char* what) { throw Error(ErrorKind::kInvalidArgument, what); };
   if (picture.width < 1 || picture.height < 1) refuse("cannot vectorize a picture without pixels");
+  image::check_image(picture);
   // By the bits, all of them: each frame of a video is looked at, and a loop that may end early is slow.
   constexpr std::uint32_t kInfinity = 0x7F800000, kWithoutSign = 0x7FFFFFFF;
   std::uint32_t largest = 0;

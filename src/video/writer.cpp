@@ -82,6 +82,7 @@ void VideoWriter::write(const image::Image& image, std::int64_t pts, std::int64_
   if (image.width != info.width || image.height != info.height || image.channels != info.channels) {
     refuse("a frame has not the size or the channels of the video");
   }
+  image::check_image(image);
   if (sink.started && pts <= sink.last_pts) refuse("the time of a frame is not after the frame before");
   sink.started = true;
   sink.last_pts = pts;

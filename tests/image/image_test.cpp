@@ -4,6 +4,8 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/image/format.h"
+#include "knotreel/image/metrics.h"
+#include "knotreel/image/resize.h"
 
 namespace knotreel::image {
 namespace {
@@ -37,6 +39,17 @@ TEST(Format, ExtensionsAreKnownInAnyCase) {
   EXPECT_EQ(format_of_extension("ppm"), ImageFormat::kPnm);
   EXPECT_EQ(format_of_extension("tcb"), std::nullopt);
   EXPECT_EQ(format_of_extension(""), std::nullopt);
+}
+
+TEST(Image, ThoseWithoutTheSamplesThatTheyTellOfAreRefused) {
+  const Image short_of_samples{4, 3, 3, std::vector<float>(30)};
+  const Image whole = make_image(4, 3, 3);
+  EXPECT_THROW(widen_channels(short_of_samples, 4), Error);
+  EXPECT_THROW(compare_images(short_of_samples, whole), Error);
+  EXPECT_THROW(compare_images(whole, short_of_samples), Error);
+  EXPECT_THROW(resize(short_of_samples, 2, 2), Error);
+  EXPECT_THROW(check_image(Image{}), Error);
+  EXPECT_NO_THROW(check_image(whole));
 }
 
 }  // namespace

@@ -168,5 +168,13 @@ TEST(FlowInParts, IsTheSameWhereAllMoves) {
   EXPECT_EQ(parts.consistent, whole.consistent);
 }
 
+TEST(Pictures, WithoutTheValuesThatTheyTellOfAreRefused) {
+  const image::Image whole = image::make_image(20, 10, 3);
+  const image::Image part{20, 10, 3, std::vector<float>(500)};
+  EXPECT_THROW(luma_of(part), Error);
+  EXPECT_THROW(unchanged_cells(whole, part), Error);
+  EXPECT_THROW(find_flow(luma_of(whole), Luma{20, 10, {}}), Error);
+}
+
 }  // namespace
 }  // namespace knotreel::motion

@@ -454,5 +454,12 @@ TEST_F(PipelineRun, SplitDocumentsStandAlone) {
   }
 }
 
+TEST_F(PipelineRun, JobsWithoutAReaderAreRefused) {
+  EXPECT_THROW(run_graph({}), Error);
+  EXPECT_THROW(run_sequential({}), Error);
+  EXPECT_THROW(run_render({}), Error);
+  EXPECT_THROW(frame_count({}), Error);
+}
+
 }  // namespace
 }  // namespace knotreel::pipeline

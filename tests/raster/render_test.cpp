@@ -348,5 +348,34 @@ TEST(Render, RefusesASurfaceAtOtherPixels) {
   EXPECT_THROW(Renderer(model, {}, basis, known(60 * 49)), Error);
 }
 
+TEST(Render, RefusesModelsThatAreNoSurface) {
+  const FrameModel sound = two_coloured_model(2, kRenderSeed);
+  const auto refuses = [&](auto change) {
+    FrameModel model = sound;
+    change(model);
+    try {
+      Renderer(model).whole();
+    } catch (const Error& e) {
+      return e.kind() == ErrorKind::kInvalidArgument;
+    }
+    return false;
+  };
+  EXPECT_FALSE(refuses([](FrameModel&) {}));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m = FrameModel{}; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.colour.clear(); }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.displacement.pop_back(); }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.channels = 9; }));
+  EXPECT_TRUE(refuses([](FrameModel& m) { m.edge_softness = 1; }));
+  for (const double bad : {std::nan(""), std::numeric_limits<double>::infinity(), -1e300}) {
+    EXPECT_TRUE(refuses([&](FrameModel& m) { m.colour[3] = bad; })) << bad;
+    EXPECT_TRUE(refuses([&](FrameModel& m) { m.displacement[3].y = bad; })) << bad;
+  }
+  // Nonsense that documents may hold is drawn somehow.
+  for (const double large : {1e4, 1e8, -0x1p40}) {
+    EXPECT_FALSE(refuses([&](FrameModel& m) { m.colour[3] = large; })) << large;
+    EXPECT_FALSE(refuses([&](FrameModel& m) { m.displacement[3].y = large; })) << large;
+  }
+}
+
 }  // namespace
 }  // namespace knotreel::raster

@@ -88,5 +88,24 @@ TEST_P(Surfaces, JetsAreSumsOfJetsTimesControlPoints) {
   }
 }
 
+TEST(Surface, WantsAsManyControlPointsAndAsMuchRoomAsItHas) {
+  const MeshCase c = knotreel::testing::law_cases(kSurfaceSeed, 1).front();
+  const Basis basis(std::make_shared<const SplineSpace>(c.mesh, 2));
+  const std::vector<double> control = random_control(2 * basis.space().function_count());
+  const std::vector<Vec2> points(3, {1, 1});
+  std::vector<double> out(6);
+  surface_at_points(basis, {control, 2}, points, out);
+  EXPECT_THROW(surface_at_points(basis, {control, 2}, points, std::span(out).first(5)), Error);
+  EXPECT_THROW(surface_at_points(basis, {control, 3}, points, out), Error);
+  EXPECT_THROW(surface_at_points(basis, {control, 0}, points, out), Error);
+  std::vector<Jet> jets(2);
+  surface_jets(basis, {control, 2}, {1, 1}, {1, 0}, jets);
+  EXPECT_THROW(surface_jets(basis, {control, 2}, {1, 1}, {1, 0}, std::span(jets).first(1)), Error);
+  EXPECT_THROW(Basis(nullptr), Error);
+  // Beside the domain there is no surface.
+  surface_at_points(basis, {control, 2}, std::vector<Vec2>{{-1, 1}, {1, 1e9}, {std::nan(""), 1}}, out);
+  EXPECT_EQ(out, std::vector<double>(6, 0));
+}
+
 }  // namespace
 }  // namespace knotreel::spline

@@ -130,5 +130,12 @@ TEST(Between, TheMeshIsSoundWhateverTheFrames) {
   }
 }
 
+TEST(Between, WhatIsNoFrameOrNotBetweenIsRefused) {
+  const FrameModel a = disk();
+  EXPECT_THROW(between(a, FrameModel{}, 0.3), Error);
+  EXPECT_THROW(between(a, a, 1.5), Error);
+  EXPECT_THROW(between(a, a, std::nan("")), Error);
+}
+
 }  // namespace
 }  // namespace knotreel::track

@@ -785,6 +785,11 @@ TEST(Tracker, APictureThatIsHeldIsLookedAtOnceForASmallGain) {
 
 TEST(Tracker, WrongOptionsAreRefused) {
   EXPECT_THROW(Tracker({}, {.keyframe_interval = 0}), Error);
+  for (const double bad : {-0.5, std::nan("")}) {
+    EXPECT_THROW(Tracker({}, {.temporal_weight = bad}), Error);
+    EXPECT_THROW(Tracker({}, {.scene_threshold = bad}), Error);
+  }
+  EXPECT_THROW(Tracker({}, {.temporal_weight = 1.5}), Error);
   EXPECT_THROW(Tracker({}, {.look_interval = 0}), Error);
   EXPECT_THROW(Tracker({}, {.rework_interval = 0}), Error);
   EXPECT_THROW(Tracker({}, {.bend_interval = 0}), Error);

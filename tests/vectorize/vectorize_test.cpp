@@ -754,6 +754,8 @@ TEST(Vectorize, RefusesOptionsOutOfRange) {
   options.rounds = 0;
   EXPECT_THROW(vectorize_picture(picture, options), Error);
   EXPECT_THROW(vectorize_picture(image::Image{}, {}), Error);
+  EXPECT_THROW(vectorize_picture(image::Image{20, 20, 3, std::vector<float>(50)}, {.features = false}),
+               Error);
 
   const auto refuses = [&](auto change) {
     Options changed = preset_options(Preset::kFast);

@@ -98,6 +98,7 @@ TEST(Outputs, FramesMustFit) {
   writer.write(clip.images[0], 5, 1);
   EXPECT_EQ(kind_of([&] { writer.write(clip.images[1], 5, 1); }), ErrorKind::kInvalidArgument);
   EXPECT_EQ(kind_of([&] { writer.write(image::make_image(64, 47, 3), 6, 1); }), ErrorKind::kInvalidArgument);
+  EXPECT_EQ(kind_of([&] { writer.write(image::Image{64, 48, 3, {}}, 6, 1); }), ErrorKind::kInvalidArgument);
   EXPECT_EQ(kind_of([&] { writer.write(image::make_image(64, 48, 4), 6, 1); }), ErrorKind::kInvalidArgument);
 }
 

@@ -6,6 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "knotreel/base/error.h"
+
 namespace knotreel {
 
 /// What read_whole() calls ten times a second while a pipe has nothing to give; it may throw to give up. None

@@ -3,6 +3,8 @@
 #include <cstddef>
 #include <functional>
 
+#include "knotreel/base/error.h"
+
 namespace knotreel {
 
 /// Caps the threads that the whole process uses for parallel_for (and everything built on oneTBB) from now on

@@ -5,6 +5,7 @@
 #include <iosfwd>
 #include <memory>
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/document/sequence_info.h"
 

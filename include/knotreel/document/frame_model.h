@@ -2,6 +2,8 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
+#include <string>
 #include <vector>
 
 #include "knotreel/base/vec2.h"
@@ -46,6 +48,11 @@ struct FrameModel {
   std::int64_t pts = 0;     ///< presentation time stamp in units of the document's time base
   bool keyframe = true;     ///< stored and computed without a predecessor; starts a group
 };
+
+/// What keeps a model from being a surface that can be drawn: no space, other numbers of channels,
+/// displacements or colours than it needs, or values that are not finite, or that no document could hold.
+/// @return a one-line description of the first defect, such as "it has no spline space", or nothing.
+std::optional<std::string> find_defect(const FrameModel& model);
 
 /// Whether two models are one surface, drawn alike: they share the space, and have the same control points
 /// and softness of edges. (Equal spaces that are not shared count as different: that is quick to tell.)

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/frame_model.h"
 #include "knotreel/document/sequence_info.h"
 

@@ -3,6 +3,7 @@
 #include <iosfwd>
 #include <memory>
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/frame_model.h"
 #include "knotreel/document/limits.h"
 #include "knotreel/document/sequence_info.h"

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 
+#include "knotreel/base/error.h"
 #include "knotreel/features/chains.h"
 #include "knotreel/features/known_corners.h"
 #include "knotreel/image/image.h"

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "knotreel/base/error.h"
 #include "knotreel/features/chains.h"
 
 namespace knotreel::features {

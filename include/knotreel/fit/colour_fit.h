@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/fit/pixels.h"
 #include "knotreel/spline/basis.h"
 #include "knotreel/spline/pixel_values.h"

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/fit/colour_fit.h"
 
 namespace knotreel::fit {

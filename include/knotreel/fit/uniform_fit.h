@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <cstdint>
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/frame_model.h"
 #include "knotreel/fit/colour_fit.h"
 #include "knotreel/image/image.h"

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "knotreel/base/error.h"
 #include "knotreel/image/image.h"
 
 namespace knotreel::image {

@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/base/error.h"
+
 /// Pictures in memory and in files. Pixel (x, y) has its centre at (x + 0.5, y + 0.5); y points down (see
 /// knotreel/base/vec2.h).
 namespace knotreel::image {
@@ -42,6 +44,10 @@ struct Image {
                    std::size_t(channel)];
   }
 };
+
+/// @throws Error{kInvalidArgument} for a picture without pixels, with channels outside 1..4, or with more or
+/// fewer samples than it tells of. So does all that takes pictures.
+void check_image(const Image& image);
 
 /// A black (and, with alpha, transparent) picture.
 /// @throws Error{kInvalidArgument} for sizes below 1, channels outside 1..4, or more than kMaxPixels.

@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <span>
 
+#include "knotreel/base/error.h"
 #include "knotreel/image/format.h"
 #include "knotreel/image/image.h"
 

@@ -5,6 +5,7 @@
 #include <optional>
 #include <span>
 
+#include "knotreel/base/error.h"
 #include "knotreel/image/format.h"
 #include "knotreel/image/image.h"
 

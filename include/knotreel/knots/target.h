@@ -7,6 +7,7 @@
 #include <memory>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/base/vec2.h"
 #include "knotreel/image/image.h"
 

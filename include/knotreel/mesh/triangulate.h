@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/mesh/knot_mesh.h"
 
 namespace knotreel::mesh {

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/image/image.h"
 #include "knotreel/motion/flow.h"
 

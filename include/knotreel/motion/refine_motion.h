@@ -3,6 +3,7 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/base/vec2.h"
 #include "knotreel/motion/luma.h"
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/base/vec2.h"
 #include "knotreel/image/image.h"
 

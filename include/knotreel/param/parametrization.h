@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/base/vec2.h"
 #include "knotreel/features/chains.h"
 #include "knotreel/features/image_mesh.h"

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/features/chains.h"
 #include "knotreel/features/image_mesh.h"
 #include "knotreel/image/image.h"

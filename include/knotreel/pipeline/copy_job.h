@@ -4,6 +4,7 @@
 #include <functional>
 #include <string>
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/pipeline/copy_plan.h"
 #include "knotreel/pipeline/job.h"

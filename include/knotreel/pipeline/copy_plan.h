@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/document/sequence_info.h"
 #include "knotreel/video/stream_info.h"

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <optional>
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/reader.h"
 #include "knotreel/pipeline/job.h"
 

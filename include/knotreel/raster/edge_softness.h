@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/frame_model.h"
 #include "knotreel/image/image.h"
 #include "knotreel/spline/pixel_surface.h"

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/frame_model.h"
 #include "knotreel/image/image.h"
 #include "knotreel/spline/basis.h"
@@ -34,7 +35,8 @@ struct RenderOptions {
 /// about 40 bytes per pixel more where the whole picture has the size of the model and up to 2^22 pixels.
 class Renderer {
  public:
-  /// @throws Error{kInvalidArgument} for sizes below 1 or above 2^24, or a crop outside the picture.
+  /// @throws Error{kInvalidArgument} for sizes below 1 or above 2^24, a crop outside the picture, or a model
+  /// with a defect (document::find_defect()).
   Renderer(const document::FrameModel& model, const RenderOptions& options = {});
   /// @param basis  of the space of the model, for callers who have it.
   /// @param known the colours of the model at the centres of the pixels of its own size, in single precision

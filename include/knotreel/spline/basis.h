@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/spline/piece.h"
 #include "knotreel/spline/reference.h"
 #include "knotreel/spline/space.h"
@@ -79,6 +80,7 @@ struct ScatteredValues {
 /// Values agree with ReferenceBasis to 1e-10; they sum to 1 and are not negative, both up to rounding.
 class Basis {
  public:
+  /// @throws Error{kInvalidArgument} if there is none.
   explicit Basis(std::shared_ptr<const SplineSpace> space);
 
   const SplineSpace& space() const { return *space_; }
@@ -86,8 +88,8 @@ class Basis {
   /// Made when it is first asked for: the values at pixels do without it.
   const TermIndex& index() const;
 
-  /// Functions that are not zero at u, ascending. On a feature (and wherever else a side must be chosen) the
-  /// limit from the side of `direction`; the shorter form uses inward_direction(u).
+  /// Functions that are not zero at u, ascending; none outside the domain. On a feature (and wherever else a
+  /// side must be chosen) the limit from the side of `direction`; the shorter form uses inward_direction(u).
   void evaluate(Vec2 u, Vec2 direction, std::vector<BasisValue>& out) const;
   void evaluate(Vec2 u, std::vector<BasisValue>& out) const;
 

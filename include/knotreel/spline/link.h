@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/base/vec2.h"
 
 /// Triangulations of link polygons and their codes (docs/format.md, "link codes").

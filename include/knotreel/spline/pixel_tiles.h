@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/spline/basis.h"
 
 namespace knotreel::spline {

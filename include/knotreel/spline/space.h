@@ -6,6 +6,7 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/mesh/cut_mesh.h"
 #include "knotreel/mesh/knot_mesh.h"
 

@@ -5,6 +5,7 @@
 #include <functional>
 #include <span>
 
+#include "knotreel/base/error.h"
 #include "knotreel/spline/pixel_tiles.h"
 
 /// Surfaces: sums over functions of value times control point. The three functions of a piece are added up
@@ -50,13 +51,17 @@ template <class Value>
 void surface_at_pixels(const PixelTiles& tiles, const Control& control, std::span<Value> out,
                        std::span<const std::uint8_t> skipped = {});
 
-/// The surface at any points of the closed domain, on all threads allowed; where a side must be chosen, as
-/// Basis::evaluate() does. @param out point by point, channels interleaved.
+/// The surface at any points of the closed domain (beside it, it is 0), on all threads allowed; where a side
+/// must be chosen, as Basis::evaluate() does. With FrameModel::colour these are colours at parameters, which
+/// lie elsewhere in the picture where the model has displacements; raster::Renderer draws the picture.
+/// @param out point by point, channels interleaved.
+/// @throws Error{kInvalidArgument} for control points that are not one per function, or if `out` has not as
+/// many numbers as there are points times channels.
 void surface_at_points(const Basis& basis, const Control& control, std::span<const Vec2> points,
                        std::span<double> out);
 
 /// The surface with its derivatives at a point, limits from the side of `direction`.
-/// @param out one per channel.
+/// @param out one per channel. @throws Error{kInvalidArgument} likewise.
 void surface_jets(const Basis& basis, const Control& control, Vec2 u, Vec2 direction, std::span<Jet> out);
 
 }  // namespace knotreel::spline

@@ -1,5 +1,6 @@
 #pragma once
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/frame_model.h"
 
 namespace knotreel::track {
@@ -11,6 +12,7 @@ namespace knotreel::track {
 /// it is.
 /// @param share  of the way from `before` (0, exactly that frame) to `after` (1, exactly that one); at a half
 ///   `after` is the nearer one.
+/// @throws Error{kInvalidArgument} for models with a defect (document::find_defect()), or another share.
 document::FrameModel between(const document::FrameModel& before, const document::FrameModel& after,
                              double share);
 

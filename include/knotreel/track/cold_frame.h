@@ -2,6 +2,7 @@
 
 #include <memory>
 
+#include "knotreel/base/error.h"
 #include "knotreel/image/image.h"
 #include "knotreel/vectorize/vectorize.h"
 

@@ -3,6 +3,7 @@
 #include <cstdint>
 #include <memory>
 
+#include "knotreel/base/error.h"
 #include "knotreel/image/image.h"
 #include "knotreel/track/known_drawings.h"
 #include "knotreel/vectorize/options.h"

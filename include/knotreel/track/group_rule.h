@@ -1,5 +1,6 @@
 #pragma once
 
+#include "knotreel/base/error.h"
 #include "knotreel/track/tracker.h"
 
 namespace knotreel::track {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/image/image.h"
 #include "knotreel/motion/cut.h"
 #include "knotreel/motion/flow.h"

@@ -7,6 +7,7 @@
 #include <utility>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/frame_model.h"
 #include "knotreel/document/writer.h"
 #include "knotreel/image/image.h"

@@ -5,6 +5,7 @@
 #include <utility>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/document/frame_model.h"
 #include "knotreel/features/chains.h"
 #include "knotreel/features/image_mesh.h"

@@ -5,6 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "knotreel/base/error.h"
+
 namespace knotreel::video {
 
 /// A name with one `%d` or `%0Nd` in it, taken apart.

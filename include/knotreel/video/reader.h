@@ -9,6 +9,7 @@
 #include <string>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/image/image.h"
 #include "knotreel/video/packet.h"
 #include "knotreel/video/stream_info.h"

@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "knotreel/base/error.h"
 #include "knotreel/image/format.h"
 #include "knotreel/image/image.h"
 #include "knotreel/video/packet.h"
