@@ -44,6 +44,10 @@ std::size_t frames_in(const FrameRange& range, const document::Reader& reader) {
 }
 
 std::size_t frames_in(const FrameRange& range, std::size_t count) {
+  if (!range.last && range.first >= count) {
+    throw Error(ErrorKind::kInvalidArgument,
+                fmt::format("there is no frame {}: the document has {}, counted from 0", range.first, count));
+  }
   const std::size_t last = range.last.value_or(count - 1);
   if (range.first > last || last >= count) {
     throw Error(ErrorKind::kInvalidArgument,

@@ -109,7 +109,10 @@ FramePtr FrameFilter::from_graph() {
   const std::int64_t earliest = last_pts_ == AV_NOPTS_VALUE ? 0 : last_pts_ + 1;
   std::int64_t pts = earliest;
   if (frame->pts != AV_NOPTS_VALUE) pts = av_rescale_q(frame->pts, graph_->time_base(), time_base_);
-  if (last_pts_ != AV_NOPTS_VALUE) pts = std::max(pts, earliest);
+  if (last_pts_ != AV_NOPTS_VALUE && pts < earliest) {
+    pts = earliest;
+    warnings_.count("frames go back in time behind the filters; they are put after the frame before");
+  }
   if (!is_time(pts))
     throw Error(ErrorKind::kInvalidArgument, "'" + filter_ + "' makes times that are out of range");
   frame->pts = last_pts_ = pts;

@@ -169,5 +169,16 @@ TEST(CliCopy, StillsOfOneDurationHaveARate) {
   EXPECT_TRUE(info_of_copy({sample.path("frames/frame_000001.tcb")})["frame_rate"].is_null());
 }
 
+TEST(CliCopy, TellsWhichFrameThereIsNot) {
+  const CopySample sample;
+  for (const char* command : {"copy", "render"}) {
+    const auto result =
+        test::knotreel({command, sample.document, "-o",
+                        sample.path(command == std::string("copy") ? "a.tcb" : "a.mkv"), "--frames", "100-"});
+    EXPECT_EQ(result.exit_code, 2);
+    EXPECT_EQ(result.err, "knotreel: there is no frame 100: the document has 4, counted from 0\n");
+  }
+}
+
 }  // namespace
 }  // namespace knotreel

@@ -233,6 +233,8 @@ TEST(Filter, TimesGoUpWhateverAFilterDoes) {
   const WholeClip clip = read_clip(dir / "a.mkv", filtered("setpts=0"));
   ASSERT_EQ(clip.frames.size(), 5U);
   for (std::size_t i = 1; i < 5; ++i) EXPECT_GT(clip.frames[i].pts, clip.frames[i - 1].pts);
+  ASSERT_EQ(clip.warnings.size(), 1U);
+  EXPECT_TRUE(clip.warnings[0].starts_with("4 frames go back in time")) << clip.warnings[0];
 }
 
 TEST(Filter, FramesOfAnotherSizeAreFilteredToo) {
