@@ -47,32 +47,8 @@ class ErrorMap {
     return sum;
   }
 
-  /// Pixels above a squared error, without those of small clusters; ascending.
-  std::vector<std::size_t> clustered(double threshold, std::size_t least_cluster) const {
-    std::vector<std::uint8_t> open(size());
-    std::vector<std::size_t> above;
-    for (std::size_t i = 0; i < size(); ++i) {
-      if (!(static_cast<double>(squared_[i]) > threshold)) continue;
-      open[i] = true;
-      above.push_back(i);
-    }
-    std::vector<std::size_t> kept;
-    std::vector<std::size_t> cluster;
-    for (const std::size_t seed : above) {
-      if (!open[seed]) continue;
-      cluster.assign(1, seed);
-      open[seed] = false;
-      for (std::size_t i = 0; i < cluster.size(); ++i) {
-        for_ring(cluster[i], [&](std::size_t q) {
-          if (!open[q]) return;
-          open[q] = false;
-          cluster.push_back(q);
-        });
-      }
-      if (cluster.size() >= least_cluster) kept.insert(kept.end(), cluster.begin(), cluster.end());
-    }
-    std::sort(kept.begin(), kept.end());
-    return kept;
+  bool is_above(std::size_t pixel, double threshold) const {
+    return static_cast<double>(squared_[pixel]) > threshold;
   }
 
  private:
@@ -81,35 +57,101 @@ class ErrorMap {
   int height_;
 };
 
+/// Pixels above a squared error that falls, without those of small clusters. A cluster only grows while it
+/// falls, so what is known to be in a large one stays there, and is never looked at again.
+class Clusters {
+ public:
+  Clusters(const ErrorMap& errors, std::size_t least)
+      : errors_(errors), least_(least), states_(errors.size(), State::kLeft) {}
+
+  /// @return those that have come, in any order.
+  std::vector<std::size_t> lower_to(double threshold) {
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      if (states_[i] == State::kLeft && errors_.is_above(i, threshold)) states_[i] = State::kOpen;
+    }
+    std::vector<std::size_t> come;
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+      if (states_[i] == State::kOpen) add_cluster(i, come);
+    }
+    return come;
+  }
+
+ private:
+  enum class State : std::uint8_t { kLeft, kOpen, kIn };
+
+  /// Without what was in a large cluster before.
+  void add_cluster(std::size_t seed, std::vector<std::size_t>& come) {
+    const std::size_t first = come.size();
+    bool is_large = false;
+    come.push_back(seed);
+    states_[seed] = State::kLeft;
+    for (std::size_t i = first; i < come.size(); ++i) {
+      errors_.for_ring(come[i], [&](std::size_t q) {
+        if (states_[q] == State::kIn) is_large = true;
+        if (states_[q] != State::kOpen) return;
+        states_[q] = State::kLeft;
+        come.push_back(q);
+      });
+    }
+    is_large = is_large || come.size() - first >= least_;
+    if (!is_large) return come.resize(first);
+    for (std::size_t i = first; i < come.size(); ++i) states_[come[i]] = State::kIn;
+  }
+
+  const ErrorMap& errors_;
+  std::size_t least_;
+  std::vector<State> states_;
+};
+
 struct Candidate {
   double error;
   std::size_t pixel;
 };
 
-/// For each face the pixel with the largest accumulated error, largest first.
-std::vector<Candidate> best_by_face(const ErrorMap& errors, const std::vector<std::size_t>& pixels,
-                                    const std::vector<FaceIndex>& face_of) {
-  const auto is_better = [](const Candidate& a, const Candidate& b) {
-    return a.error != b.error ? a.error > b.error : a.pixel < b.pixel;
-  };
-  std::vector<double> accumulated(pixels.size());
-  parallel_for(pixels.size(), [&](std::size_t i) { accumulated[i] = errors.accumulated(pixels[i]); });
-  std::vector<Candidate> best;
-  std::vector<std::size_t> best_of;  // by face: its place among the best, from 1 on
-  for (std::size_t i = 0; i < pixels.size(); ++i) {
-    const Candidate candidate{accumulated[i], pixels[i]};
-    const FaceIndex f = face_of[pixels[i]];
-    if (f >= best_of.size()) best_of.resize(f + std::size_t{1}, 0);
-    if (best_of[f] == 0) {
-      best.push_back(candidate);
-      best_of[f] = best.size();
-    } else if (is_better(candidate, best[best_of[f] - 1])) {
-      best[best_of[f] - 1] = candidate;
+bool is_better(const Candidate& a, const Candidate& b) {
+  return a.error != b.error ? a.error > b.error : a.pixel < b.pixel;
+}
+
+/// For each face the pixel with the largest accumulated error.
+class BestByFace {
+ public:
+  BestByFace(const ErrorMap& errors, const std::vector<FaceIndex>& face_of)
+      : errors_(errors), face_of_(face_of) {}
+
+  void add(const std::vector<std::size_t>& pixels) {
+    std::vector<double> accumulated(pixels.size());
+    constexpr std::size_t kBlock = 256;
+    parallel_for((pixels.size() + kBlock - 1) / kBlock, [&](std::size_t block) {
+      for (std::size_t i = block * kBlock; i < std::min(pixels.size(), (block + 1) * kBlock); ++i)
+        accumulated[i] = errors_.accumulated(pixels[i]);
+    });
+    for (std::size_t i = 0; i < pixels.size(); ++i) {
+      const Candidate candidate{accumulated[i], pixels[i]};
+      const FaceIndex f = face_of_[pixels[i]];
+      if (f >= best_of_.size()) best_of_.resize(f + std::size_t{1}, 0);
+      if (best_of_[f] == 0) {
+        best_.push_back(candidate);
+        best_of_[f] = best_.size();
+      } else if (is_better(candidate, best_[best_of_[f] - 1])) {
+        best_[best_of_[f] - 1] = candidate;
+      }
     }
   }
-  std::sort(best.begin(), best.end(), is_better);
-  return best;
-}
+
+  std::size_t count() const { return best_.size(); }
+
+  std::vector<Candidate> largest_first() const {
+    std::vector<Candidate> sorted = best_;
+    std::sort(sorted.begin(), sorted.end(), is_better);
+    return sorted;
+  }
+
+ private:
+  const ErrorMap& errors_;
+  const std::vector<FaceIndex>& face_of_;
+  std::vector<Candidate> best_;
+  std::vector<std::size_t> best_of_;  ///< by face: its place among the best, from 1 on
+};
 
 /// The face of every pixel's place; the faces partition the pixels.
 std::vector<FaceIndex> faces_of_pixels(const EditableMesh& mesh, std::span<const Vec2> places, int width,
@@ -190,13 +232,12 @@ std::vector<KnotIndex> refine_knots(EditableMesh& mesh, std::span<const float> s
   const double largest = errors.largest();
   if (options.max_knots == 0 || !(largest > 0)) return inserted;
   const std::vector<FaceIndex> face_of = faces_of_pixels(mesh, places, width, height);
-  std::vector<Candidate> candidates;
-  for (int s = 1; s <= kThresholds && candidates.size() < options.max_knots; ++s) {
-    const double threshold = largest * std::exp2(-2.0 * s);  // of squared errors
-    candidates = best_by_face(errors, errors.clustered(threshold, options.least_cluster), face_of);
-  }
+  Clusters clusters(errors, options.least_cluster);
+  BestByFace best(errors, face_of);
+  for (int s = 1; s <= kThresholds && best.count() < options.max_knots; ++s)
+    best.add(clusters.lower_to(largest * std::exp2(-2.0 * s)));  // squared errors
   SplitFaces split(mesh);
-  for (const Candidate& c : candidates) {
+  for (const Candidate& c : best.largest_first()) {
     if (inserted.size() == options.max_knots) break;
     const Vec2 centre{static_cast<double>(c.pixel % std::size_t(width)) + 0.5,
                       static_cast<double>(c.pixel / std::size_t(width)) + 0.5};

@@ -153,6 +153,30 @@ TEST(RefineKnots, FaintErrorsAreReachedByLoweringTheThreshold) {
   EXPECT_LT(norm(mesh.position(knots[1]) - weak), 1);
 }
 
+/// A few pixels in a face of their own, beside a cluster in another one, belong to it as soon as the
+/// threshold is below them, though it was large without them.
+TEST(RefineKnots, ClustersGrowWhileTheThresholdFalls) {
+  knotreel::testing::MeshBuilder b(kWidth, kHeight);
+  b.segment(b.vertex(50, 0), b.vertex(50, 80), 0);
+  const mesh::KnotMesh halves = b.triangulated();
+  for (const int gap : {1, 2}) {  // pixels without an error
+    EditableMesh mesh(halves);
+    ErrorPicture errors;
+    errors.fill(44, 38, 5, 5, 1000);      // up to 1 pixel from the feature
+    errors.fill(49 + gap, 39, 2, 2, 50);  // beyond it; alone too small
+    EXPECT_EQ(refine(mesh, errors, {.max_knots = 9}).size(), gap == 1 ? 2U : 1U) << gap;
+  }
+  // Too small at first, with all of their edges large enough.
+  EditableMesh mesh(halves);
+  ErrorPicture errors;
+  errors.fill(5, 38, 5, 5, 50);
+  errors.fill(6, 39, 3, 3, 1000);
+  EXPECT_EQ(refine(mesh, errors, {.max_knots = 9}).size(), 1U);
+  errors.fill(5, 38, 5, 5, 0);
+  errors.fill(6, 39, 3, 3, 1000);
+  EXPECT_TRUE(refine(mesh, errors, {.max_knots = 9}).empty());
+}
+
 TEST(RefineKnots, PlacesOfPixelsSayWhereTheyAre) {
   EditableMesh mesh = coarse_mesh();
   const Vec2 at = roomy_place(mesh, 2);
