@@ -140,6 +140,7 @@ template <std::size_t C>
       for (std::size_t i = 0; i < x.size(); ++i) x[i] += wanted[i];
       return true;
     }
+    if (2 * step == options.most_steps && largest > options.most_at_half) return false;
     multiply<C>(a, direction.data(), along.data());
     const Numbers<C> energy = products<C>(direction, along);
     Numbers<C> length{};  // none for a column that is solved

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <Eigen/SparseCore>
+#include <limits>
 #include <optional>
 
 namespace knotreel::fit {
@@ -8,6 +9,8 @@ namespace knotreel::fit {
 struct GradientOptions {
   double tolerance = 0.01;  ///< largest change of x, in its unit, that the preconditioner still asks for
   int most_steps = 24;
+  /// It is given up if more than that is asked for after half of the steps.
+  double most_at_half = std::numeric_limits<double>::infinity();
 };
 
 /// Solves A x = b for all columns of b, 1 to 4, by conjugate gradients with an incomplete Cholesky factor of

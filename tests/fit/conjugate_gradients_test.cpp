@@ -87,6 +87,31 @@ TEST(ConjugateGradients, SayWhenTheyDoNotArrive) {
   EXPECT_THROW(conjugate_gradients(lower, right, random_numbers(199, 3, 1, random)), Error);
 }
 
+/// What is not given up goes the same way.
+TEST(ConjugateGradients, MayBeGivenUpHalfway) {
+  std::mt19937_64 random(kConjugateGradientsSeed);
+  const Matrix lower = normal_equations(600, random);
+  const Eigen::MatrixXd right = random_numbers(600, 3, 255, random);
+  const Eigen::MatrixXd start = random_numbers(600, 3, 255, random);
+  const GradientOptions patient{.tolerance = 1e-6, .most_steps = 100};
+  const auto found = conjugate_gradients(lower, right, start, patient);
+  ASSERT_TRUE(found);
+  int steps = 1;
+  while (!conjugate_gradients(lower, right, start, {.tolerance = 1e-6, .most_steps = steps})) ++steps;
+  for (const double most : {1e-5, 1e-3, 1e9}) {
+    GradientOptions options = patient;
+    options.most_steps = 2 * (steps / 2 + 1);
+    options.most_at_half = most;
+    const auto same = conjugate_gradients(lower, right, start, options);
+    EXPECT_EQ(same.has_value(), most > 1);
+    if (same) {
+      EXPECT_EQ(*same, *found);
+    }
+    options.most_steps = 2 * (steps + 1);
+    EXPECT_TRUE(conjugate_gradients(lower, right, start, options)) << "it is there before half of the steps";
+  }
+}
+
 TEST(SolveReduced, ComesToTheSameFromAnyStart) {
   std::mt19937_64 random(kConjugateGradientsSeed);
   const int n = 300;
