@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <memory>
-#include <optional>
 #include <utility>
 
 #include "base/triangle.h"
@@ -145,24 +144,24 @@ void limit_moves(const spline::SplineSpace& space, const mesh::KnotMesh& mesh, d
 }
 
 ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options,
-                      const spline::PixelValues* values) {
+                      std::unique_ptr<const SpaceAtPixels> at_pixels) {
   ColourSurface best = start;
   ColourSurface at = std::move(start);
   Steps steps(at.space->mesh(), options.first_step);
   const std::vector<std::uint8_t> wanted = movable(at.space->mesh(), options.along_curves);
-  std::optional<SpaceAtPixels> own;
   for (int i = 0; i < options.steps; ++i) {
     if (options.on_step) options.on_step();
-    if (!values) values = &own.emplace(at.space, pixels).values;
+    if (!at_pixels) at_pixels = std::make_unique<const SpaceAtPixels>(at.space, pixels);
     ColourFitOptions colour = options.colour;
     colour.start = at.fit.control;  // the functions stay, and hardly move
     const KnotMesh& mesh = at.space->mesh();
     std::vector<Vec2> moves =
-        steps.moves(knot_gradient(*values, pixels, at.fit, wanted), mesh::shortest_edges(mesh));
+        steps.moves(knot_gradient(at_pixels->values, pixels, at.fit, wanted), mesh::shortest_edges(mesh));
     limit_moves(*at.space, mesh, options.min_distance, moves);
     at.space = std::make_shared<const spline::SplineSpace>(at.space->moved(moved_positions(mesh, moves)));
-    values = &own.emplace(at.space, pixels).values;
-    at.fit = fit_colours(*values, pixels, colour);
+    at_pixels.reset();  // each takes as much memory as a few copies of the picture
+    at_pixels = std::make_unique<const SpaceAtPixels>(at.space, pixels);
+    at.fit = fit_colours(at_pixels->values, pixels, colour);
     if (at.fit.squared_error < best.fit.squared_error) best = at;
   }
   return best;

@@ -52,7 +52,7 @@ void descend(const Options& options, const Samples& samples, RunLog& log, Draft&
   descent.colour = options.colour;
   descent.on_step = [&] { log.step("descent step"); };
   draft.surface =
-      fit::descend(std::move(draft.surface), samples.steering(), descent, &draft.steering->values);
+      fit::descend(std::move(draft.surface), samples.steering(), descent, std::move(draft.steering));
   log.lap("descend");
 }
 
@@ -95,6 +95,15 @@ class Run {
 
   /// @param of_picture samples of the picture itself, if the others are of a fine grid; or null.
   void improve(Start& start, Samples* of_picture, const Options& options) {
+    refine(start, of_picture, options);
+    start.target.reset();  // 24 bytes per pixel, or more
+    if (options.descent_steps == 0) return;
+    log_.begin_round("descent");
+    descend(options, *start.samples, log_, draft_);
+    end_round(*start.samples);
+  }
+
+  void refine(Start& start, Samples* of_picture, const Options& options) {
     Samples& samples = *start.samples;
     Rounds rounds(options, *start.target, samples, start.max_functions, log_, draft_);
     rounds.first(std::move(*start.mesh), start.mapped.knots);
@@ -110,10 +119,6 @@ class Run {
       }
       end_round(samples);
     }
-    if (options.descent_steps == 0) return;
-    log_.begin_round("descent");
-    descend(options, samples, log_, draft_);
-    end_round(samples);
   }
 
   Vectorization finished(Samples& samples) {

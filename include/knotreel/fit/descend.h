@@ -42,9 +42,9 @@ struct SpaceAtPixels {
 /// again after each step. Connectivity and links stay. A step may raise the error; the best surface met is
 /// returned.
 /// @param pixels their places in the domain are held.
-/// @param values of the functions of the start at the pixels, if they are there already.
+/// @param at_pixels the space of the start there, if it is known already; let go of with the first step.
 ColourSurface descend(ColourSurface start, const Pixels& pixels, const DescentOptions& options,
-                      const spline::PixelValues* values = nullptr);
+                      std::unique_ptr<const SpaceAtPixels> at_pixels = nullptr);
 
 /// Where moves take the knots of a mesh, those on a side or a segment exactly on it.
 std::vector<Vec2> moved_positions(const mesh::KnotMesh& mesh, const std::vector<Vec2>& moves);
