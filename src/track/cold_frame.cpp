@@ -35,6 +35,8 @@ constexpr double kMostOfBound = 0.95;
 constexpr double kMostAtFirst = 0.75;  // by the first knots, which may have 0.8
 // Share of the pixels: who allows so many control points wants drawings whose features fill them, too.
 constexpr double kGenerous = 0.05;
+// Control points over those of film: with fewer than that, densely is no better where there are no features.
+constexpr double kManyMore = 2;
 // Softness of edges (document::FrameModel) up to which a drawing that has room is better for certain.
 constexpr double kCrisp = 0.02;
 
@@ -166,13 +168,19 @@ bool may_have_room(const ColdOptions& options, const image::Image& picture, doub
 /// Nothing if it uses up too many control points, of which features and the first knots tell mostly.
 /// @param may_be_full unless its features alone are too many, if it is dense.
 /// @param on_room called once it is told that there is room. May be empty.
+/// @param on_bare called if there are no features, of which nothing is made then. May be empty.
 std::shared_ptr<ColdFrame> drawing_with_room(Way way, const ColdOptions& options, const image::Image& picture,
                                              double colour_step, bool may_be_full,
-                                             const std::function<void()>& on_room) {
+                                             const std::function<void()>& on_room,
+                                             const std::function<void()>& on_bare = {}) {
   const vectorize::Options chosen = options_for(way, options);
   const double most = most_functions(chosen, picture);
   int fairings = 0;
   const auto look = [&](const vectorize::Progress& progress) {
+    if (progress.stage == "features" && on_bare && progress.detected->chains.empty()) {
+      on_bare();
+      throw CalledOff();
+    }
     if (progress.stage == "features" && !may_be_full) {
       fairings = 0;
       const int scale = features::scale_of(*progress.detected, picture);
@@ -227,17 +235,19 @@ class Ways {
       if (is_fine) take(Way::kDrawn);
       if (!drawing_ || !drawing_has_room()) take(Way::kPlain);
     }
-    if (options_.dense && (!drawing_ || !drawing_has_room())) take(Way::kDense);
+    if (options_.dense && !is_bare_ && (!drawing_ || !drawing_has_room())) take(Way::kDense);
   }
 
   /// If there is room, or nothing else so far.
   void take(Way way) {
     std::function<void()> prefer;
     if (way != Way::kDense) prefer = [this] { film_is_in_the_way_ = true; };
+    std::function<void()> leave;
+    if (way == Way::kPlain && !may_have_many_more()) leave = [this] { is_bare_ = true; };
     // One that has room is not replaced by one without.
     const bool may_be_full = !drawing_ && may_be_cramped(way, options_for(way, options_), picture_);
     std::shared_ptr<ColdFrame> made =
-        drawing_with_room(way, options_, picture_, colour_step_, may_be_full, prefer);
+        drawing_with_room(way, options_, picture_, colour_step_, may_be_full, prefer, leave);
     if (!made) return;
     drawing_ = std::move(made);
     best_ = way;
@@ -248,6 +258,12 @@ class Ways {
     const double drawn = psnr_as_drawn(drawing_->frame, picture_);
     if (best_ == Way::kDense && film < kLegible && drawn >= film + kGainOfDense) return true;
     return worth(*drawing_, drawn) >= worth(*film_, film) + gain;
+  }
+
+  /// Large pictures have no more, since all bounds end at the same number.
+  bool may_have_many_more() const {
+    return !options_.dense ||
+           most_functions(*options_.dense, picture_) >= kManyMore * most_functions(options_.film, picture_);
   }
 
   bool drawing_has_room() const { return has_room(*drawing_, options_for(best_, options_), picture_); }
@@ -299,6 +315,7 @@ class Ways {
   std::atomic<bool> film_is_in_the_way_ = false;
   /// Share of the control points of a drawing that its features ask for, if it is for the fine grid.
   double features_ = 0;
+  bool is_bare_ = false;  ///< without features, and so no better than film, which is made in the meantime
   Way best_ = Way::kDrawn;
   std::shared_ptr<ColdFrame> drawing_;
   std::shared_ptr<ColdFrame> film_;

@@ -399,6 +399,27 @@ TEST(ColdFrame, ADrawingWithoutRoomIsDenseIfThatIsWorthIt) {
   EXPECT_FALSE(make_drawn_frame(drawing(34, 40), {film, &drawn, &dense}, fine_group(), 2)->frame.dense);
 }
 
+/// More control points are for features; a few more are no better than film.
+TEST(ColdFrame, ADrawingWithoutFeaturesIsFilmUnlessItMayHaveManyMore) {
+  image::Image shades = image::make_image(160, 120, 3);
+  for (int y = 0; y < shades.height; ++y) {
+    for (int x = 0; x < shades.width; ++x) {
+      for (int c = 0; c < 3; ++c)
+        shades.at(x, y, c) = static_cast<float>(128 + 60 * std::sin(0.05 * x + c) * std::sin(0.04 * y));
+    }
+  }
+  ASSERT_TRUE(features::is_drawing(shades));
+  const vectorize::Options film = vectorize::video_options(picture_options(260));
+  const vectorize::Options drawn = vectorize::drawn_video_options(picture_options(260));
+  const vectorize::Options more = vectorize::drawn_video_options(picture_options(500));
+  const auto made = make_cold_frame(shades, {film, &drawn, &more}, 2);
+  EXPECT_FALSE(made->frame.drawn);
+  EXPECT_TRUE(made->frame.space->mesh().segments.empty());
+  EXPECT_EQ(made->frame.colours.control, make_cold_frame(shades, {film}, 2)->frame.colours.control);
+  // With features it is drawn all the same.
+  EXPECT_TRUE(make_cold_frame(drawing(34, 40), {film, &drawn, &more}, 2)->frame.drawn);
+}
+
 /// There is no room for all of its features even so.
 TEST(ColdFrame, ADrawingWithoutRoomIsDenseAsFilmIfItCannotBeSeenElse) {
   const vectorize::Options film = vectorize::video_options(picture_options(400));
