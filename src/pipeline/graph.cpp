@@ -9,7 +9,9 @@ Summary run_graph(const Job& job) {
   HappensBefore decoded;
   flow::graph graph;
   flow::input_node<MessagePtr> decode(graph, source(decoded, [&] { return stages.decode(); }));
-  flow::limiter_node<MessagePtr> limiter(graph, frames_in_flight(job.frames_in_flight));
+  const video::StreamInfo& info = job.reader->info();
+  flow::limiter_node<MessagePtr> limiter(graph,
+                                         frames_in_flight(job.frames_in_flight, info.width, info.height));
   Node analyse(graph, flow::unlimited, isolated([&](Message& m) { stages.analyse(m); }));
   InOrder plan(graph, [&](Message& m) { stages.plan(m); });
   Node ahead(graph, flow::unlimited, isolated([&](Message& m) { stages.ahead(m); }));

@@ -129,10 +129,12 @@ auto source(HappensBefore& turn, Next next) {
   };
 }
 
-/// @param wanted as Job::frames_in_flight.
-inline std::size_t frames_in_flight(int wanted) {
+/// @param wanted as Job::frames_in_flight. @param width, height of a frame.
+inline std::size_t frames_in_flight(int wanted, int width, int height) {
+  constexpr std::size_t kLarge = 4'000'000;  // pixels: a frame takes dozens of bytes for each while it waits
   if (wanted > 0) return static_cast<std::size_t>(wanted);
-  return 2 * threads_allowed() + 2;
+  const bool is_large = static_cast<std::size_t>(width) * static_cast<std::size_t>(height) > kLarge;
+  return is_large ? threads_allowed() + 1 : 2 * threads_allowed() + 2;
 }
 
 }  // namespace knotreel::pipeline

@@ -112,7 +112,8 @@ Summary run_render(const RenderJob& job) {
   HappensBefore decoded;
   flow::graph graph;
   flow::input_node<MessagePtr> read(graph, source(decoded, [&] { return stages.read(); }));
-  flow::limiter_node<MessagePtr> limiter(graph, frames_in_flight(job.frames_in_flight));
+  flow::limiter_node<MessagePtr> limiter(
+      graph, frames_in_flight(job.frames_in_flight, job.video.width, job.video.height));
   Node rasterize(graph, flow::unlimited, isolated([&](Message& m) { stages.rasterize(m); }));
   LastInOrder encode(graph, [&](Message& m) { stages.encode(m); });
   flow::make_edge(read, limiter);

@@ -121,8 +121,9 @@ struct Job {
   Compose compose;     ///< what `beside` shows; null: nothing
   std::string beside;  ///< video of what compose() made
   Watch watch;
-  int frames_in_flight = 0;  ///< bounds the memory; 0: twice the number of threads, and two
-  Stop stop;                 ///< true: no more frames; those begun and all files are finished
+  /// Bounds the memory. 0: twice the number of threads, and two; of large frames one more than threads.
+  int frames_in_flight = 0;
+  Stop stop;  ///< true: no more frames; those begun and all files are finished
   FrameObserver on_frame;
   bool ssim = true;  ///< whether frames are measured by it, a fiftieth of all the time
 };
