@@ -4,22 +4,27 @@
 #include <cmath>
 
 #include "export/paint.h"
+#include "export/patch_stream.h"
 
 namespace knotreel::exporting {
 
 namespace {
 
 constexpr double kShortest = 1;  // pixels of the picture
+constexpr std::size_t kCheckInterval = 1 << 16;
 
 class Divider {
  public:
-  Divider(Triangulation& triangles, std::size_t channels, double tolerance)
-      : t_(triangles), channels_(channels), tolerance_(tolerance) {}
+  Divider(Triangulation& triangles, std::size_t channels, double tolerance, std::uint64_t max_triangles)
+      : t_(triangles), channels_(channels), tolerance_(tolerance), budget_(max_triangles) {
+    budget_.spend(t_.triangles.size());
+  }
 
-  void run() {
+  void run(const std::function<void()>& checkpoint) {
     std::vector<std::uint32_t> open(t_.triangles.size());
     for (std::uint32_t i = 0; i < open.size(); ++i) open[i] = i;
-    while (!open.empty()) {
+    for (std::size_t step = 0; !open.empty(); ++step) {
+      if (step % kCheckInterval == 0 && checkpoint) checkpoint();
       const std::uint32_t i = open.back();
       open.pop_back();
       const std::uint32_t h = longest(i);
@@ -73,6 +78,7 @@ class Divider {
 
   /// The triangle of h keeps the half at its origin. @returns the half edge of the new triangle beyond.
   std::uint32_t halve_side(std::uint32_t h, std::uint32_t middle, std::vector<std::uint32_t>& open) {
+    budget_.spend(1);
     const std::uint32_t i = h / 3;
     const std::uint32_t next = 3 * i + (h + 1) % 3;
     const std::uint32_t last = 3 * i + (h + 2) % 3;
@@ -104,12 +110,14 @@ class Divider {
   Triangulation& t_;
   std::size_t channels_;
   double tolerance_;
+  TriangleBudget budget_;
 };
 
 }  // namespace
 
-void divide_for_paints(Triangulation& triangles, std::size_t channels, double tolerance) {
-  Divider(triangles, channels, tolerance).run();
+void divide_for_paints(Triangulation& triangles, std::size_t channels, double tolerance,
+                       std::uint64_t max_triangles, const std::function<void()>& checkpoint) {
+  Divider(triangles, channels, tolerance, max_triangles).run(checkpoint);
 }
 
 }  // namespace knotreel::exporting

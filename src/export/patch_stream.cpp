@@ -8,8 +8,7 @@
 namespace knotreel::exporting {
 
 void TriangleBudget::spend(std::size_t triangles) {
-  spent_ += triangles;
-  if (spent_ > limit_) {
+  if ((spent_ += triangles) > limit_) {
     throw Error(ErrorKind::kInvalidArgument, "the export takes more than " + std::to_string(limit_) +
                                                  " triangles; allow larger errors or more triangles");
   }
@@ -34,23 +33,28 @@ void in_blocks(std::size_t count, const std::function<void()>& checkpoint,
 
 }  // namespace
 
-void for_each_patch(const Tessellator& tessellator, const Layer& layer, const ExportOptions& options,
+void for_each_patch(const Tessellator& tessellator, const Layer& layer,
+                    const std::function<void()>& checkpoint, TriangleBudget& budget,
                     const std::function<void(const Patch&)>& visit) {
   const auto& under = layer.underlay;
   const auto& rims = layer.rims;
-  const std::size_t count = under.size() + rims.size() + layer.faces.size();
+  const auto spend = [&](std::size_t triangles) { budget.spend(triangles); };
   const auto make = [&](std::size_t i) {
-    if (i < under.size()) return tessellator.face(under[i]);
+    if (i < under.size()) return tessellator.face(under[i], spend);
     i -= under.size();
-    return i < rims.size() ? rim_patch(tessellator, rims[i]) : tessellator.face(layer.faces[i - rims.size()]);
+    if (i >= rims.size()) return tessellator.face(layer.faces[i - rims.size()], spend);
+    Patch patch = rim_patch(tessellator, rims[i]);
+    spend(patch.triangles.size());
+    return patch;
   };
-  in_blocks(count, options.checkpoint, make, visit);
+  in_blocks(under.size() + rims.size() + layer.faces.size(), checkpoint, make, visit);
 }
 
 void for_each_face(const Tessellator& tessellator, const std::function<void()>& checkpoint,
-                   const std::function<void(const Patch&)>& visit) {
+                   TriangleBudget& budget, const std::function<void(const Patch&)>& visit) {
+  const auto spend = [&](std::size_t triangles) { budget.spend(triangles); };
   in_blocks(
-      tessellator.face_count(), checkpoint, [&](std::size_t f) { return tessellator.face(f); }, visit);
+      tessellator.face_count(), checkpoint, [&](std::size_t f) { return tessellator.face(f, spend); }, visit);
 }
 
 Box image_box(const document::FrameModel& model) {

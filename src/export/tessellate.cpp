@@ -134,8 +134,9 @@ std::vector<double> Tessellator::edge_parameters(std::uint32_t half_edge) const 
 /// Divides one face; see Tessellator::face.
 class FaceRefiner {
  public:
-  FaceRefiner(const Tessellator& tessellator, std::uint32_t face)
-      : tessellator_(tessellator), sheets_(tessellator.sheets()), face_(face) {
+  FaceRefiner(const Tessellator& tessellator, std::uint32_t face,
+              const std::function<void(std::size_t)>& spend)
+      : tessellator_(tessellator), sheets_(tessellator.sheets()), face_(face), spend_(spend) {
     for (std::uint32_t i = 0; i < 3; ++i) {
       const SurfacePoint& corner = sheets_.at_corner(sheets_.origin(3 * face + i));
       std::array<double, 3> weight{};
@@ -147,11 +148,13 @@ class FaceRefiner {
 
   Patch run() {
     refine(0, 1, 2, kMaxInner);
+    if (spend_) spend_(patch_.triangles.size() % kSpentAtOnce);
     return std::move(patch_);
   }
 
  private:
   static constexpr std::uint32_t kNone = 0xffffffffu;
+  static constexpr std::size_t kSpentAtOnce = 1024;
 
   std::uint32_t add(const SurfacePoint& point, const std::array<double, 3>& weight) {
     patch_.vertices.push_back(point);
@@ -268,18 +271,20 @@ class FaceRefiner {
       }
     }
     patch_.triangles.push_back({a, b, c});
+    if (spend_ && patch_.triangles.size() % kSpentAtOnce == 0) spend_(kSpentAtOnce);
   }
 
   const Tessellator& tessellator_;
   const Sheets& sheets_;
   std::uint32_t face_;
+  const std::function<void(std::size_t)>& spend_;
   double face_shape_ = 0;
   Patch patch_;
   std::unordered_map<std::uint64_t, std::uint32_t> middles_;
 };
 
-Patch Tessellator::face(std::size_t face) const {
-  return FaceRefiner(*this, static_cast<std::uint32_t>(face)).run();
+Patch Tessellator::face(std::size_t face, const std::function<void(std::size_t)>& spend) const {
+  return FaceRefiner(*this, static_cast<std::uint32_t>(face), spend).run();
 }
 
 }  // namespace knotreel::exporting

@@ -104,10 +104,7 @@ Triangulation triangulate(const Tessellator& tessellator, std::uint64_t max_tria
   TriangleBudget budget(max_triangles);
   Builder builder(tessellator);
   std::uint32_t face = 0;
-  for_each_face(tessellator, checkpoint, [&](const Patch& patch) {
-    budget.spend(patch.triangles.size());
-    builder.add(face++, patch);
-  });
+  for_each_face(tessellator, checkpoint, budget, [&](const Patch& patch) { builder.add(face++, patch); });
   return builder.finish();
 }
 

@@ -143,8 +143,7 @@ class PdfWriter {
     const int number = pdf_.reserve();
     pdf_.begin_stream(number, encoder.entries());
     std::vector<std::byte> bytes;
-    for_each_patch(tessellator_, layer, options_, [&](const Patch& patch) {
-      budget_.spend(patch.triangles.size());
+    for_each_patch(tessellator_, layer, options_.checkpoint, budget_, [&](const Patch& patch) {
       bytes.clear();
       encoder.encode(patch, bytes);
       pdf_.add_to_stream(bytes);

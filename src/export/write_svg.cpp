@@ -43,7 +43,7 @@ class SvgWriter {
         number_text(width * options_.scale, 3) + "\" height=\"" + number_text(height * options_.scale, 3) +
         "\" viewBox=\"0 0 " + number_text(width, 3) + ' ' + number_text(height, 3) + "\" stroke=\"none\">\n");
     if (!turn.is_none()) file_.write(turned_group(turn, turn.origin(width, height)));
-    divide_for_paints(triangles_, colours, paint_tolerance());
+    divide_for_paints(triangles_, colours, paint_tolerance(), options_.max_triangles, options_.checkpoint);
     if (has_alpha) {
       file_.write(mask_start("alpha"));
       paint(colours, 1, "a");

@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include <functional>
+#include <random>
 #include <set>
 
 #include "export_models.h"
@@ -124,6 +125,50 @@ TEST(Export, IsTheSameForEveryThreadCount) {
     const ThreadCap three(3);
     EXPECT_EQ(exported(write, model), expected);
   }
+}
+
+/// Documents may come from anywhere: surfaces folded, collapsed or of any size, and colours far out of range.
+TEST(Svg, OfAWildSurfaceIsAFileOrAMessage) {
+  ExportOptions options;
+  options.max_triangles = 20'000;
+  for (const double reach : {0.0, 30.0, 1e4, 1e8, 1e12}) {
+    for (const double level : {255.0, 1e4, 1e12}) {
+      SCOPED_TRACE(std::to_string(reach) + " px, level " + std::to_string(level));
+      document::FrameModel model = sample(3);
+      std::mt19937 random(11);
+      std::uniform_real_distribution<double> unit(-1, 1);
+      for (Vec2& d : model.displacement) d = {reach * unit(random), reach * unit(random)};
+      for (double& c : model.colour) c = level * unit(random);
+      try {
+        const std::string svg = exported(write_svg, model, options);
+        EXPECT_EQ(svg.find("nan"), std::string::npos);
+        EXPECT_EQ(svg.find("inf"), std::string::npos);
+      } catch (const Error& e) {
+        EXPECT_EQ(e.kind(), ErrorKind::kInvalidArgument);
+      }
+    }
+  }
+}
+
+/// Faces that are large in the picture and small in the mesh are halved for their paints as often as their
+/// size asks for.
+TEST(Svg, HalvingForPaintsCountsTriangles) {
+  document::FrameModel model = sample(3);
+  const std::vector<Vec2> sites = model.space->geometry_greville();
+  for (std::size_t g = 0; g < sites.size(); ++g) model.displacement[g] = 1e5 * sites[g];
+  for (spline::FunctionIndex f = 0; f < model.space->function_count(); ++f) {
+    const Vec2 g = model.space->greville(f);
+    model.colour[3 * f] = 2.5 * g.x;
+    model.colour[3 * f + 1] = 3 * g.y;
+    model.colour[3 * f + 2] = g.x + g.y;
+  }
+  ExportOptions options;
+  options.tessellation.colour_tolerance = 0.1;
+  options.max_triangles = 10'000;
+  std::size_t calls = 0;
+  options.checkpoint = [&] { ++calls; };
+  EXPECT_THROW(exported(write_svg, model, options), Error);
+  EXPECT_GT(calls, 1u);
 }
 
 TEST(Export, RefusesMoreTrianglesThanAllowedAndLeavesNoFile) {

@@ -87,7 +87,7 @@ TEST(DivideForPaints, LeavesOnlyTrianglesThatPaintsFit) {
   const Tessellator tessellator(model);
   Triangulation t = triangulated(tessellator);
   const std::size_t before = t.triangles.size();
-  divide_for_paints(t, 3, 10);
+  divide_for_paints(t, 3, 10, 1'000'000, {});
   EXPECT_GT(t.triangles.size(), before);
   expect_joined(t);
   for (std::uint32_t i = 0; i < t.triangles.size(); ++i) {
@@ -126,7 +126,7 @@ TEST(Regions, HangTogetherAndKeepTheTolerance) {
     const document::FrameModel model = sample(name);
     const Tessellator tessellator(model);
     Triangulation t = triangulated(tessellator);
-    divide_for_paints(t, 3, 6);
+    divide_for_paints(t, 3, 6, 1'000'000, {});
     RegionOptions options;
     options.colour_tolerance = 6;
     options.hidden = 0;

@@ -2,6 +2,7 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -53,7 +54,9 @@ class Tessellator {
   std::size_t face_count() const;
 
   /// The surface over one face of the cut mesh. Equal bits whenever it is called. @pre face < face_count().
-  Patch face(std::size_t face) const;
+  /// @param spend  called with numbers of triangles as they are made; may throw to stop, since a face of a
+  /// wild surface may become many millions.
+  Patch face(std::size_t face, const std::function<void(std::size_t)>& spend = {}) const;
 
   /// Where half edge `3 * face + i` (from corner i of the face to the next) is divided: ascending, the first
   /// 0 and the last 1.
