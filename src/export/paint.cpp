@@ -9,6 +9,8 @@ namespace {
 
 // Regions that are next to a line have no gradient across it that could be told. In squares of pixels.
 constexpr double kLeastSpread = 1e-4;
+// Below, quotients by an area say nothing or are no numbers.
+constexpr double kLeastArea = 1e-12;
 
 }  // namespace
 
@@ -48,13 +50,14 @@ Moments moments_of(const std::array<Vec2, 3>& x, const std::array<Rgb, 3>& colou
 
 PaintFit fit_paint(const Moments& m) {
   PaintFit fit;
-  if (!(m.area > 0)) return fit;
+  if (!(m.area > kLeastArea)) return fit;
   Paint& paint = fit.paint;
   paint.centre = (1 / m.area) * m.x;
-  // Covariances, of positions and of positions with colours.
-  const double xx = m.xx / m.area - paint.centre.x * paint.centre.x + kLeastSpread;
+  // Covariances, of positions and of positions with colours. Far from the origin rounding may leave less than
+  // nothing of them.
+  const double xx = std::max(0.0, m.xx / m.area - paint.centre.x * paint.centre.x) + kLeastSpread;
   const double xy = m.xy / m.area - paint.centre.x * paint.centre.y;
-  const double yy = m.yy / m.area - paint.centre.y * paint.centre.y + kLeastSpread;
+  const double yy = std::max(0.0, m.yy / m.area - paint.centre.y * paint.centre.y) + kLeastSpread;
   double variance = m.squares / m.area;
   std::array<Vec2, 3> shared{};
   double bxx = 0, bxy = 0, byy = 0;
@@ -67,7 +70,7 @@ PaintFit fit_paint(const Moments& m) {
     byy += shared[c].y * shared[c].y;
   }
   // A direction d explains sum (shared . d)^2 / d'Cd of the variance: the first eigenvector of C^-1 B.
-  const double determinant = xx * yy - xy * xy;
+  const double determinant = std::max(xx * yy - xy * xy, kLeastSpread * kLeastSpread);
   const double m00 = (yy * bxx - xy * bxy) / determinant;
   const double m01 = (yy * bxy - xy * byy) / determinant;
   const double m10 = (xx * bxy - xy * bxx) / determinant;
@@ -80,14 +83,14 @@ PaintFit fit_paint(const Moments& m) {
   const Vec2 d = norm(first) > norm(second) ? first : second;
   paint.direction = norm(d) > 0 ? unit(d) : Vec2{1, 0};
   const Vec2 e = paint.direction;
-  const double spread = e.x * e.x * xx + 2 * e.x * e.y * xy + e.y * e.y * yy;
+  const double spread = std::max(e.x * e.x * xx + 2 * e.x * e.y * xy + e.y * e.y * yy, kLeastSpread);
   for (std::size_t c = 0; c < 3; ++c) paint.slope[c] = dot(shared[c], e) / spread;
   fit.squared_error = m.area * std::max(0.0, variance - explained);
   return fit;
 }
 
 double root_mean_square(const Paint& paint, const Moments& m) {
-  if (!(m.area > 0)) return 0;
+  if (!(m.area > kLeastArea)) return 0;
   const Vec2 d = paint.direction;
   double sum = m.squares;
   for (std::size_t c = 0; c < 3; ++c) {

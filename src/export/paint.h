@@ -12,10 +12,10 @@ using Rgb = std::array<double, 3>;
 
 /// What SVG can fill a path with: a colour that changes linearly along one direction, or not at all.
 struct Paint {
-  Rgb colour{};    ///< at `centre`
-  Rgb slope{};     ///< change per pixel along `direction`
-  Vec2 centre;     ///< pixels of the picture
-  Vec2 direction;  ///< of length 1
+  Rgb colour{};          ///< at `centre`
+  Rgb slope{};           ///< change per pixel along `direction`
+  Vec2 centre;           ///< pixels of the picture
+  Vec2 direction{1, 0};  ///< of length 1
 
   double at(Vec2 x, std::size_t channel) const {
     return colour[channel] + slope[channel] * dot(direction, x - centre);

@@ -81,14 +81,26 @@ class Merger {
 
   bool fits(const Paint& paint, std::uint32_t root) const {
     for (std::uint32_t i = root; i != kNoIndex; i = i == groups_[root].last ? kNoIndex : groups_[i].next) {
-      for (std::uint32_t h = 3 * i; h < 3 * i + 3; ++h) {
-        for (std::size_t c = 0; c < options_.count; ++c) {
-          const double painted = std::clamp(paint.at(t_.origin(h), c), 0.0, 255.0);
-          if (std::abs(painted - level(h, c)) > options_.colour_tolerance) return false;
-        }
+      for (std::size_t c = 0; c < options_.count; ++c) {
+        if (!fits(paint, i, c)) return false;
       }
     }
     return true;
+  }
+
+  /// In one triangle. Outside 0..255 colours may differ as they like, but only where the whole triangle is:
+  /// one that comes out of it would come out elsewhere.
+  bool fits(const Paint& paint, std::uint32_t triangle, std::size_t c) const {
+    const double tolerance = options_.colour_tolerance;
+    bool near = true, black = true, white = true;
+    for (std::uint32_t h = 3 * triangle; h < 3 * triangle + 3; ++h) {
+      const double painted = paint.at(t_.origin(h), c);
+      const double wanted = level(h, c);
+      near = near && std::abs(painted - wanted) <= tolerance;
+      black = black && std::max(painted, wanted) <= 0.5 * tolerance;
+      white = white && std::min(painted, wanted) >= 255 - 0.5 * tolerance;
+    }
+    return near || black || white;
   }
 
   /// A paint for both, if there is one. That of the large one is fitted anew when the small one counts, and
