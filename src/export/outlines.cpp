@@ -1,6 +1,7 @@
 #include "export/outlines.h"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 
 #include "knotreel/base/parallel.h"
@@ -8,6 +9,9 @@
 namespace knotreel::exporting {
 
 namespace {
+
+// The lines below the regions, which are 0.6 px wide on each side, have to cover what is between them.
+constexpr double kFarthest = 0.5;
 
 /// Edges between two regions, from one vertex where others come to the next, or round in a circle.
 struct Arc {
@@ -35,10 +39,11 @@ class Tracer {
     collect_edges();
   }
 
-  std::vector<std::vector<Loop>> run(double tolerance) {
+  std::vector<std::vector<Loop>> run(const OutlineOptions& options) {
     trace_arcs();
-    parallel_for(arcs_.size(),
-                 [&](std::size_t i) { arcs_[i].curves = simplified(chain_of(arcs_[i]), tolerance); });
+    parallel_for(arcs_.size(), [&](std::size_t i) {
+      arcs_[i].curves = simplified(chain_of(arcs_[i]), tolerance(arcs_[i], options));
+    });
     return join_arcs();
   }
 
@@ -99,6 +104,26 @@ class Tracer {
     arc.left = region(arc.half_edges.front());
     arc.right = region(t_.opposite[arc.half_edges.front()]);
     arcs_.push_back(std::move(arc));
+  }
+
+  /// Where a border runs between nearly equal colours nobody can tell.
+  double tolerance(const Arc& arc, const OutlineOptions& options) const {
+    if (arc.right == kNoIndex) return options.tolerance;
+    const Paint& left = p_.regions[arc.left].paint;
+    const Paint& right = p_.regions[arc.right].paint;
+    double squares = 0;
+    for (const std::uint32_t h : arc.half_edges) {
+      for (const Vec2 x : {t_.origin(h), t_.x[t_.target(h)]}) {
+        double sum = 0;
+        for (std::size_t c = 0; c < options.channels; ++c) {
+          const double d = std::clamp(left.at(x, c), 0.0, 255.0) - std::clamp(right.at(x, c), 0.0, 255.0);
+          sum += d * d;
+        }
+        squares = std::max(squares, sum);
+      }
+    }
+    const double allowed = 0.5 * options.hidden / std::max(1.0, std::sqrt(squares));
+    return std::max(options.tolerance, std::min(kFarthest, allowed));
   }
 
   std::vector<Curve> chain_of(const Arc& arc) const {
@@ -188,8 +213,8 @@ class Tracer {
 }  // namespace
 
 std::vector<std::vector<Loop>> outlines(const Tessellator& tessellator, const Triangulation& triangles,
-                                        const Partition& partition, double tolerance) {
-  return Tracer(tessellator, triangles, partition).run(tolerance);
+                                        const Partition& partition, const OutlineOptions& options) {
+  return Tracer(tessellator, triangles, partition).run(options);
 }
 
 }  // namespace knotreel::exporting

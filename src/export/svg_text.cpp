@@ -10,18 +10,24 @@ namespace knotreel::exporting {
 namespace {
 
 constexpr double kUnit = 100;  // coordinates are whole multiples of 1 / kUnit px
-// A cubic whose control points are those of a quadratic, to this many pixels, is written as one.
-constexpr double kQuadratic = 0.005;
+// A cubic whose control points are those of a quadratic, to this many pixels, is written as one: a tenth of
+// that is what the curve moves by.
+constexpr double kQuadratic = 0.1;
+constexpr double kHarmless = 1;  // levels that the end of a gradient may be cut off by
 
 class PathWriter {
  public:
+  /// Nothing, if the outline has become a point or a line.
   void add(const Loop& outline) {
+    const std::size_t before = text_.size();
     at_ = rounded(outline.front()[0]);
+    parts_ = 0;
     text_ += 'M';
     put(at_.x);
     put(at_.y);
     for (const Curve& c : outline) add(c);
     text_ += 'z';
+    if (parts_ < 3) text_.resize(before);
   }
 
   std::string take() { return std::move(text_); }
@@ -38,6 +44,7 @@ class PathWriter {
     const Point end = rounded(c[3]);
     if (is_straight(c)) {
       if (end == at_) return;
+      ++parts_;
       if (end.y == at_.y) {
         text_ += 'h';
         put(end.x - at_.x);
@@ -49,6 +56,7 @@ class PathWriter {
         put_relative(end);
       }
     } else {
+      parts_ += 2;
       const Vec2 from = c[0] + 1.5 * (c[1] - c[0]);
       const Vec2 to = c[3] + 1.5 * (c[2] - c[3]);
       if (norm(from - to) <= kQuadratic) {
@@ -69,16 +77,58 @@ class PathWriter {
     put(p.y - at_.y);
   }
 
-  /// Numbers need no space before a minus or behind a letter.
+  /// Numbers need no space before a minus or behind a letter, nor zero before a point, nor a space before a
+  /// point if the number before has one.
   void put(long hundredths) {
+    std::string number;
+    append_number(number, double(hundredths) / kUnit, 2);
+    if (const std::size_t zero = number.find("0."); zero == 0 || (zero == 1 && number[0] == '-')) {
+      number.erase(zero, 1);
+    }
     const char last = text_.back();
-    if (hundredths >= 0 && (last == '.' || (last >= '0' && last <= '9'))) text_ += ' ';
-    append_number(text_, double(hundredths) / kUnit, 2);
+    const bool follows = last >= '0' && last <= '9';
+    if (follows && number[0] != '-' && !(number[0] == '.' && has_point_)) text_ += ' ';
+    has_point_ = number.find('.') != std::string::npos;
+    text_ += number;
   }
 
   std::string text_;
   Point at_;
+  bool has_point_ = false;  ///< the last number
+  int parts_ = 0;           ///< straight ones of the outline; a curve counts as two
 };
+
+struct Stop {
+  double along;  ///< from the paint's centre
+  std::string colour;
+};
+
+/// Both ends, and where a channel leaves 0..255: a colour that is only cut off at the ends would be another
+/// one all the way between them. What is past the last change needs no stop.
+std::vector<Stop> stops_of(const Region& region, std::size_t channels) {
+  const Paint& paint = region.paint;
+  std::vector<double> along{region.from, region.to};
+  for (std::size_t c = 0; c < channels; ++c) {
+    for (const double limit : {0.0, 255.0}) {
+      const double s = (limit - paint.colour[c]) / paint.slope[c];
+      const double end = (paint.slope[c] > 0) == (limit > 0) ? region.to : region.from;  // that is cut off
+      if (s > region.from && s < region.to && std::abs((end - s) * paint.slope[c]) > kHarmless)
+        along.push_back(s);
+    }
+  }
+  std::sort(along.begin(), along.end());
+  std::vector<Stop> stops;
+  for (const double s : along) {
+    Rgb colour{};
+    for (std::size_t c = 0; c < channels; ++c) colour[c] = paint.colour[c] + paint.slope[c] * s;
+    stops.push_back({s, colour_text(colour, channels)});
+  }
+  while (stops.size() > 2 && stops[stops.size() - 2].colour == stops.back().colour) stops.pop_back();
+  const auto changes = [&](const Stop& stop) { return stop.colour != stops.front().colour; };
+  const auto first = std::find_if(stops.begin(), stops.end() - 1, changes);
+  if (first - stops.begin() > 1) stops.erase(stops.begin(), first - 1);
+  return stops;
+}
 
 }  // namespace
 
@@ -101,12 +151,19 @@ std::string path_data(const std::vector<Loop>& outlines) {
   return writer.take();
 }
 
+std::string gradient_base() {
+  return "<linearGradient id=\"g\" gradientUnits=\"userSpaceOnUse\"/>\n";
+}
+
 std::string gradient_text(const std::string& id, const Region& region, std::size_t channels) {
   const Paint& paint = region.paint;
-  const Vec2 from = paint.centre + region.from * paint.direction;
-  const Vec2 to = paint.centre + region.to * paint.direction;
-  const int decimals = region.to - region.from < 4 ? 3 : 2;
-  std::string text = "<linearGradient id=\"" + id + "\" gradientUnits=\"userSpaceOnUse\" x1=\"";
+  const std::vector<Stop> stops = stops_of(region, channels);
+  const double begin = stops.front().along;
+  const double length = stops.back().along - begin;
+  const Vec2 from = paint.centre + begin * paint.direction;
+  const Vec2 to = paint.centre + stops.back().along * paint.direction;
+  const int decimals = length < 4 ? 3 : 2;
+  std::string text = "<linearGradient id=\"" + id + "\" xlink:href=\"#g\" x1=\"";
   append_number(text, from.x, decimals);
   text += "\" y1=\"";
   append_number(text, from.y, decimals);
@@ -114,13 +171,13 @@ std::string gradient_text(const std::string& id, const Region& region, std::size
   append_number(text, to.x, decimals);
   text += "\" y2=\"";
   append_number(text, to.y, decimals);
-  Rgb first{}, last{};
-  for (std::size_t c = 0; c < channels; ++c) {
-    first[c] = paint.at(from, c);
-    last[c] = paint.at(to, c);
+  text += "\">";
+  for (const Stop& stop : stops) {
+    text += "<stop";
+    if (stop.along > begin) text += " offset=\"" + number_text((stop.along - begin) / length, 3) + '"';
+    text += " stop-color=\"" + stop.colour + "\"/>";
   }
-  return text + "\"><stop stop-color=\"" + colour_text(first, channels) +
-         "\"/><stop offset=\"1\" stop-color=\"" + colour_text(last, channels) + "\"/></linearGradient>\n";
+  return text + "</linearGradient>\n";
 }
 
 }  // namespace knotreel::exporting

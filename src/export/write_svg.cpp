@@ -88,14 +88,15 @@ class SvgWriter {
     wanted.checkpoint = options_.checkpoint;
     const Partition partition = merge_triangles(triangles_, wanted);
     if (partition.regions.empty()) return;
-    const auto loops =
-        outlines(tessellator_, triangles_, partition, 0.5 * options_.tessellation.geometry_tolerance);
-    const std::vector<Shape> shapes = define_shapes(partition, count, prefix);
+    const auto loops = outlines(
+        tessellator_, triangles_, partition,
+        {0.5 * options_.tessellation.geometry_tolerance, options_.tessellation.colour_tolerance, count});
+    const std::vector<Shape> shapes = define_shapes(partition, loops, count, prefix);
+    if (shapes.empty()) return;
     write_ground(colour_text(partition.regions[shapes.front().region].paint.colour, count));
     write_lines(shapes);
     for (const Shape& shape : shapes) {
-      file_.write("<path id=\"" + shape.id + "\" fill=\"" + shape.fill + "\" d=\"" +
-                  path_data(loops[shape.region]) + "\"/>\n");
+      file_.write("<path id=\"" + shape.id + "\" fill=\"" + shape.fill + "\" d=\"" + shape.data + "\"/>\n");
     }
     paths_ += shapes.size();
   }
@@ -104,10 +105,12 @@ class SvgWriter {
     std::uint32_t region;
     std::string id;
     std::string fill;
+    std::string data;
   };
 
   /// Largest first. Writes the gradients.
-  std::vector<Shape> define_shapes(const Partition& partition, std::size_t count, const std::string& prefix) {
+  std::vector<Shape> define_shapes(const Partition& partition, const std::vector<std::vector<Loop>>& loops,
+                                   std::size_t count, const std::string& prefix) {
     std::vector<std::uint32_t> order(partition.regions.size());
     std::iota(order.begin(), order.end(), 0u);
     std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) {
@@ -117,11 +120,18 @@ class SvgWriter {
     std::string gradients;
     for (const std::uint32_t r : order) {
       const Region& region = partition.regions[r];
+      std::string data = path_data(loops[r]);
+      if (data.empty()) continue;
       const std::string id = prefix + std::to_string(shapes.size());
       if (!region.flat) gradients += gradient_text(id + "g", region, count);
-      shapes.push_back({r, id, region.flat ? colour_text(region.paint.colour, count) : "url(#" + id + "g)"});
+      shapes.push_back({r, id, region.flat ? colour_text(region.paint.colour, count) : "url(#" + id + "g)",
+                        std::move(data)});
     }
-    if (!gradients.empty()) file_.write("<defs>\n" + gradients + "</defs>\n");
+    if (gradients.empty()) return shapes;
+    file_.write("<defs>\n");
+    if (!has_gradient_base_) file_.write(gradient_base());
+    has_gradient_base_ = true;
+    file_.write(gradients + "</defs>\n");
     return shapes;
   }
 
@@ -148,6 +158,7 @@ class SvgWriter {
   Triangulation triangles_;
   OutputFile& file_;
   std::size_t paths_ = 0;
+  bool has_gradient_base_ = false;
 };
 
 }  // namespace

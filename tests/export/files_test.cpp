@@ -4,6 +4,7 @@
 #include <random>
 #include <set>
 
+#include "export/svg_text.h"
 #include "export_models.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
@@ -150,6 +151,23 @@ TEST(Svg, OfAWildSurfaceIsAFileOrAMessage) {
   }
 }
 
+/// From all of it in one point to the largest that a model may have.
+TEST(Svg, OfASurfaceOfAnySizeHasNumbers) {
+  for (const double size : {0.0, 1e-9, 1e-3, 1e4, 1e7, 1e9}) {
+    SCOPED_TRACE(size);
+    document::FrameModel model = blank_model(corpus_case("free-knots").mesh, 2, 3);
+    const std::vector<Vec2> sites = model.space->geometry_greville();
+    for (std::size_t g = 0; g < sites.size(); ++g) model.displacement[g] = size * sites[g] - sites[g];
+    for (spline::FunctionIndex f = 0; f < model.space->function_count(); ++f) {
+      for (std::size_t c = 0; c < 3; ++c) model.colour[3 * f + c] = 2 * model.space->greville(f).x;
+    }
+    const std::string svg = exported(write_svg, model);
+    EXPECT_EQ(svg.find("nan"), std::string::npos);
+    EXPECT_EQ(svg.find("inf"), std::string::npos);
+    EXPECT_EQ(svg.find("<path ") != std::string::npos, size >= 1e-3);
+  }
+}
+
 /// Faces that are large in the picture and small in the mesh are halved for their paints as often as their
 /// size asks for.
 TEST(Svg, HalvingForPaintsCountsTriangles) {
@@ -169,6 +187,37 @@ TEST(Svg, HalvingForPaintsCountsTriangles) {
   options.checkpoint = [&] { ++calls; };
   EXPECT_THROW(exported(write_svg, model, options), Error);
   EXPECT_GT(calls, 1u);
+}
+
+TEST(SvgText, PathsAreShortAndExact) {
+  const Loop triangle{straight({0.5, 10}, {1, 10.25}), straight({1, 10.25}, {1, -0.5}),
+                      straight({1, -0.5}, {0.5, 10})};
+  EXPECT_EQ(path_data({triangle}), "M.5 10l.5.25v-10.75l-.5 10.5z");
+  const Loop drop{{Vec2{0, 0}, Vec2{2, 0}, Vec2{3, 1}, Vec2{3, 3}}, straight({3, 3}, {0, 0})};
+  EXPECT_EQ(path_data({drop}), "M0 0q3 0 3 3l-3-3z");
+  const Loop bulge{{Vec2{0, 0}, Vec2{1, 0}, Vec2{3, 1}, Vec2{3, 3}}, straight({3, 3}, {0, 0})};
+  EXPECT_EQ(path_data({bulge}), "M0 0c1 0 3 1 3 3l-3-3z");
+}
+
+TEST(SvgText, OutlinesWithoutAreaAreLeftAway) {
+  const Loop line{straight({1, 2}, {3, 4}), straight({3, 4}, {1, 2})};
+  const Loop point{straight({1, 2}, {1.001, 2}), straight({1.001, 2}, {1, 2})};
+  EXPECT_EQ(path_data({line, point}), "");
+}
+
+/// Overshoots are cut off where they begin: a gradient whose ends alone were cut off would be grey between.
+TEST(Svg, GradientsPastWhiteAreWhiteFromThereOn) {
+  document::FrameModel model = blank_model(corpus_case("free-knots").mesh, 2, 1);
+  for (spline::FunctionIndex f = 0; f < model.space->function_count(); ++f) {
+    model.colour[f] = 5.1 * model.space->greville(f).x;  // white at 50 of 100 px
+  }
+  const std::string svg = exported(write_svg, model);
+  const std::size_t gradient = svg.find("<linearGradient id=\"r");
+  const std::string first = svg.substr(gradient, svg.find('\n', gradient) - gradient);
+  const auto number = [&](const std::string& name) { return std::stod(first.substr(first.find(name) + 4)); };
+  EXPECT_NEAR(std::min(number("x1=\""), number("x2=\"")), 0, 0.1) << first;
+  EXPECT_NEAR(std::max(number("x1=\""), number("x2=\"")), 50, 1) << first;
+  EXPECT_NE(first.find("#fff"), std::string::npos);
 }
 
 TEST(Export, RefusesMoreTrianglesThanAllowedAndLeavesNoFile) {

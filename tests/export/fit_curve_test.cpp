@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <numbers>
+#include <random>
 
 namespace knotreel::exporting {
 namespace {
@@ -67,6 +68,35 @@ TEST(Simplified, CircleTakesFewCurvesAndKeepsItsPlace) {
       expect_connected(chain, source);
       EXPECT_LE(chain.size(), 16u);
       EXPECT_LE(distance(chain, source), 1.5 * tolerance) << radius << ' ' << tolerance;
+    }
+  }
+}
+
+/// Few samples leave arms free to grow: what is between the samples has to stay near as well.
+TEST(Simplified, NoSpikesBetweenSamples) {
+  std::mt19937 random(7);
+  std::normal_distribution<double> step(0, 1);
+  for (int round = 0; round < 400; ++round) {
+    std::vector<Curve> source;
+    Vec2 x{50, 50};
+    double angle = step(random);
+    const double size = std::exp(1.5 * step(random));
+    const double bend = 0.5 * std::abs(step(random));
+    for (int i = 0; i < 1 + round % 12; ++i) {
+      const double turn = bend * step(random);
+      const double length = size * std::exp(step(random));
+      const auto towards = [](double a) { return Vec2{std::cos(a), std::sin(a)}; };
+      const Vec2 end = x + length * towards(angle + 0.5 * turn);
+      source.push_back(
+          {x, x + 0.4 * length * towards(angle), end - 0.4 * length * towards(angle + turn), end});
+      x = end;
+      angle += turn;
+    }
+    for (const double tolerance : {0.02, 0.5}) {
+      const auto chain = simplified(source, tolerance);
+      expect_connected(chain, source);
+      EXPECT_LE(chain.size(), source.size());
+      EXPECT_LE(distance(chain, source), 2 * tolerance) << round;
     }
   }
 }

@@ -202,7 +202,7 @@ TEST(Outlines, AreClosedAndEncloseTheirRegions) {
     const Triangulation t = triangulated(tessellator);
     const Partition partition = merge_triangles(t, {});
     constexpr double kTolerance = 0.05;
-    const auto all = outlines(tessellator, t, partition, kTolerance);
+    const auto all = outlines(tessellator, t, partition, {kTolerance, 0, 3});
     ASSERT_EQ(all.size(), partition.regions.size());
     double total = 0;
     for (std::size_t r = 0; r < all.size(); ++r) {
@@ -249,7 +249,7 @@ TEST(Outlines, OfAnIslandLeaveAHole) {
       open.push(t.opposite[h] / 3);
     }
   }
-  const auto all = outlines(tessellator, t, partition, 0.05);
+  const auto all = outlines(tessellator, t, partition, {0.05, 0, 3});
   const std::size_t island = all[0].size() == 1 ? 0 : 1;
   ASSERT_EQ(all[island].size(), 1u);
   ASSERT_EQ(all[1 - island].size(), 2u);
@@ -258,6 +258,28 @@ TEST(Outlines, OfAnIslandLeaveAHole) {
   EXPECT_NEAR(enclosed(all[island][0]), -hole, 1e-9);
   // The loop is smooth but for the knots that bend it: curves, and few of them.
   EXPECT_FALSE(std::all_of(all[island][0].begin(), all[island][0].end(), is_straight));
+}
+
+/// Borders between nearly equal paints may be loose, those that can be seen may not.
+TEST(Outlines, AreSimplerWhereTheirPaintsAreAlike) {
+  const document::FrameModel model = sample("two-tips");
+  const Tessellator tessellator(model);
+  const Triangulation t = triangulated(tessellator);
+  Partition partition = merge_triangles(t, {});
+  const auto curves = [&](double hidden) {
+    std::size_t count = 0;
+    for (const auto& loops : outlines(tessellator, t, partition, {0.05, hidden, 3})) {
+      for (const Loop& loop : loops) count += loop.size();
+    }
+    return count;
+  };
+  const std::size_t exact = curves(0);
+  EXPECT_LT(curves(6), exact - exact / 20);
+  for (std::size_t r = 0; r < partition.regions.size(); ++r) {
+    const auto level = static_cast<double>(r * 97 % 251);
+    partition.regions[r].paint = {{level, level, level}, {}, {}, {1, 0}};
+  }
+  EXPECT_EQ(curves(0.01), exact);
 }
 
 TEST(Triangulation, RefusesMoreThanAllowed) {
