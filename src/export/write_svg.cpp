@@ -19,6 +19,9 @@ constexpr double kLineWidth = 1.2;
 // Two approximations share the error that is allowed: triangles with linear colours, and one paint for many
 // of them. Paints get more, since they are what takes room.
 constexpr double kTriangleShare = 0.3;
+// Levels times pixels. Finer tolerances do not make thinner strips visible, while slivers that share pixels
+// cost more than what they are off by.
+constexpr double kLeastHidden = 2;
 
 class SvgWriter {
  public:
@@ -84,7 +87,7 @@ class SvgWriter {
     wanted.first = first;
     wanted.count = count;
     wanted.colour_tolerance = paint_tolerance();
-    wanted.hidden = options_.tessellation.colour_tolerance;
+    wanted.hidden = std::max(kLeastHidden, options_.tessellation.colour_tolerance);
     wanted.checkpoint = options_.checkpoint;
     const Partition partition = merge_triangles(triangles_, wanted);
     if (partition.regions.empty()) return;
