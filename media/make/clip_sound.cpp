@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 extern "C" {
 #include <libavcodec/avcodec.h>
 #include <libavformat/avformat.h>

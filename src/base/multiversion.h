@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
 // KNOTREEL_MULTIVERSION before a function with plain loops compiles it for several x86-64 levels and picks

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include <CGAL/version.h>
 #include <fmt/core.h>
 #include <oneapi/tbb/version.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/beside_output.h"
 
 #include "knotreel/video/turn.h"

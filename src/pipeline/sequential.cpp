@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "knotreel/pipeline/run.h"
 #include "pipeline/stages.h"
 

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "spline/named_links.h"
 
 #include <algorithm>

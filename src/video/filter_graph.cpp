@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "filter_graph.h"
 
 #include "knotreel/base/error.h"

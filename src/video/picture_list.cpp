@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "knotreel/video/picture_list.h"
 
 #include <fnmatch.h>

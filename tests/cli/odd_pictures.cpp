@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "odd_pictures.h"
 
 #include <png.h>

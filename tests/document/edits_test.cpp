@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Frames that edit the mesh of the frame before: flips, insertions, removals, moves, other links.
 
 #include <gtest/gtest.h>

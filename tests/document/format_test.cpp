@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // docs/format.md against the library: a reader written from the page must find the same model.
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "knotreel/features/prefer_points.h"
 
 #include <gtest/gtest.h>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Frame payloads. The first byte chooses degree and channels, the next two the length of a first frame; what
 // is left is a second frame that may depend on it. A frame that decodes must also be one that the writer can
 // store.

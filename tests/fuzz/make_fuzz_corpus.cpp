@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 // Writes the seeds in tests/fuzz/corpus: make_fuzz_corpus DIRECTORY (scripts/fuzz --make-corpus calls it).
 
 #include <filesystem>

@@ -1,3 +1,4 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
 #include "knotreel/image/hidden_colours.h"
 
 #include <gtest/gtest.h>
