@@ -18,12 +18,6 @@ constexpr double kSvgTolerance = 6;
 
 }  // namespace
 
-std::string drawing_format(const std::filesystem::path& path) {
-  std::string extension = path.extension().string();
-  for (char& c : extension) c = static_cast<char>(c >= 'A' && c <= 'Z' ? c - 'A' + 'a' : c);
-  return extension == ".pdf" || extension == ".svg" ? extension.substr(1) : "";
-}
-
 exporting::ExportOptions drawing_options(const std::string& format) {
   exporting::ExportOptions options;
   options.tessellation.colour_tolerance = format == "pdf" ? kPdfTolerance : kSvgTolerance;

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <filesystem>
+#include <cstdint>
 #include <string>
 
 #include "knotreel/base/output_file.h"
@@ -10,13 +10,10 @@
 
 namespace knotreel::cli {
 
-/// "pdf" or "svg" if the name ends so, in capitals or not; else "".
-std::string drawing_format(const std::filesystem::path& path);
-
-/// With the default tolerances of the format, and stopped by signals.
+/// With the default tolerances of a format, "pdf" or "svg" (drawing_format()), and stopped by signals.
 exporting::ExportOptions drawing_options(const std::string& format);
 
-/// Writes a frame as "pdf" or "svg"; does not commit the file.
+/// Writes a frame; does not commit the file.
 void write_drawing(const document::FrameModel& model, const exporting::ExportOptions& options,
                    const std::string& format, OutputFile& file);
 

@@ -10,6 +10,7 @@
 #include "cli/distinct_paths.h"
 #include "cli/document_part.h"
 #include "cli/drawing_file.h"
+#include "cli/file_names.h"
 #include "cli/part_options.h"
 #include "cli/pictures.h"
 #include "cli/video_options.h"

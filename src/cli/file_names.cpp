@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <set>
 
-#include "cli/drawing_file.h"
 #include "knotreel/base/error.h"
 #include "knotreel/image/format.h"
 
@@ -30,6 +29,11 @@ bool has_clip_name(const std::filesystem::path& path) {
       ".ivf", ".m2ts", ".m4v", ".mkv", ".m2v", ".mjpeg", ".mjpg", ".mov",  ".mp4",  ".mpeg",
       ".mpg", ".mts",  ".mxf", ".nut", ".ogv", ".ts",    ".vob",  ".webm", ".wmv",  ".y4m"};
   return kExtensions.contains(lower_extension(path));
+}
+
+std::string drawing_format(const std::filesystem::path& path) {
+  const std::string extension = lower_extension(path);
+  return extension == ".svg" || extension == ".pdf" ? extension.substr(1) : "";
 }
 
 void check_document_name(const std::string& name) {

@@ -13,6 +13,9 @@ bool has_picture_name(const std::filesystem::path& path);
 /// That it is a video, or a picture that moves.
 bool has_clip_name(const std::filesystem::path& path);
 
+/// "pdf" or "svg", if the file is a drawing for other programs; else "".
+std::string drawing_format(const std::filesystem::path& path);
+
 /// To be called before a document is made, which may have any name but that of something else.
 /// @throws Error{kInvalidArgument} that tells which command writes what the name promises.
 void check_document_name(const std::string& name);

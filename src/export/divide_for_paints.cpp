@@ -46,16 +46,11 @@ class Divider {
   }
 
   bool has_paint(std::uint32_t i) const {
-    std::array<Vec2, 3> x{};
-    std::array<Rgb, 3> colour{};
-    for (std::uint32_t k = 0; k < 3; ++k) {
-      x[k] = t_.origin(3 * i + k);
-      for (std::size_t c = 0; c < channels_; ++c) colour[k][c] = double{t_.colour[3 * i + k][c]};
-    }
-    const Paint paint = fit_paint(moments_of(x, colour)).paint;
+    const Corners corners = corners_of(t_, i, 0, channels_);
+    const Paint paint = fit_paint(moments_of(corners.x, corners.colour)).paint;
     for (std::size_t k = 0; k < 3; ++k) {
       for (std::size_t c = 0; c < channels_; ++c) {
-        if (std::abs(paint.at(x[k], c) - colour[k][c]) > tolerance_) return false;
+        if (std::abs(paint.at(corners.x[k], c) - corners.colour[k][c]) > tolerance_) return false;
       }
     }
     return true;

@@ -15,6 +15,9 @@ namespace {
 // A region that is so many times as large as the other one keeps its paint when they are put together.
 constexpr std::uint32_t kMuchLarger = 16;
 constexpr std::size_t kCheckInterval = 1 << 16;
+// Triangles of what may be too thin to be seen. What has more is large, and to go through it for each of many
+// neighbours that it has swallowed one after the other could take for ever.
+constexpr std::uint32_t kMostThin = 4096;
 
 class Merger {
  public:
@@ -23,13 +26,8 @@ class Merger {
     for (std::uint32_t i = 0; i < groups_.size(); ++i) {
       Group& g = groups_[i];
       g.parent = g.next = g.last = i;
-      std::array<Vec2, 3> x{};
-      std::array<Rgb, 3> colour{};
-      for (std::uint32_t k = 0; k < 3; ++k) {
-        x[k] = t_.origin(3 * i + k);
-        for (std::size_t c = 0; c < options_.count; ++c) colour[k][c] = level(3 * i + k, c);
-      }
-      g.moments = moments_of(x, colour);
+      const Corners corners = corners_of(t_, i, options_.first, options_.count);
+      g.moments = moments_of(corners.x, corners.colour);
       const PaintFit fit = fit_paint(g.moments);
       g.paint = fit.paint;
       g.squared_error = fit.squared_error;
@@ -197,7 +195,10 @@ class Merger {
       if (groups_[root].parent == root) order.emplace_back(groups_[root].moments.area, root);
     }
     std::sort(order.begin(), order.end());
-    for (const auto& [area, root] : order) {
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      if (i % kMostThin == 0 && options_.checkpoint) options_.checkpoint();
+      const std::uint32_t root = order[i].second;
+      if (groups_[root].size > kMostThin) continue;
       const Neighbour n = most_alike(root);
       if (n.root == kNoIndex) continue;
       const double width = 2 * groups_[root].moments.area / outline[root];

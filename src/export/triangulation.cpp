@@ -100,6 +100,17 @@ class Builder {
 
 }  // namespace
 
+Corners corners_of(const Triangulation& triangles, std::uint32_t triangle, std::size_t first,
+                   std::size_t count) {
+  Corners corners;
+  for (std::uint32_t k = 0; k < 3; ++k) {
+    const std::uint32_t h = 3 * triangle + k;
+    corners.x[k] = triangles.origin(h);
+    for (std::size_t c = 0; c < count; ++c) corners.colour[k][c] = double{triangles.colour[h][first + c]};
+  }
+  return corners;
+}
+
 Triangulation triangulate(const Tessellator& tessellator, std::uint64_t max_triangles,
                           const std::function<void()>& checkpoint) {
   TriangleBudget budget(max_triangles);

@@ -6,6 +6,7 @@
 #include <functional>
 #include <vector>
 
+#include "export/paint.h"
 #include "knotreel/export/tessellate.h"
 
 namespace knotreel::exporting {
@@ -34,6 +35,15 @@ struct Triangulation {
   std::uint32_t vertex(std::uint32_t h) const { return triangles[h / 3][h % 3]; }
   std::uint32_t target(std::uint32_t h) const { return triangles[h / 3][(h + 1) % 3]; }
 };
+
+struct Corners {
+  std::array<Vec2, 3> x;
+  std::array<Rgb, 3> colour{};
+};
+
+/// Of a triangle, with `count` channels from `first` on.
+Corners corners_of(const Triangulation& triangles, std::uint32_t triangle, std::size_t first,
+                   std::size_t count);
 
 /// @param max_triangles, checkpoint  as ExportOptions.
 /// @throws Error{kInvalidArgument} for more triangles than that.
