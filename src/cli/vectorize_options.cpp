@@ -204,6 +204,7 @@ nlohmann::ordered_json options_json(const vectorize::Options& o) {
           {"rounds", o.rounds},
           {"max_control_points", o.max_control_points},
           {"first_share", o.first_share},
+          {"longest_edge", o.longest_edge},
           {"feature_share", o.feature_share},
           {"weak_share", o.weak_share},
           {"drawn_weak_share", o.drawn_weak_share},

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "knotreel/base/parallel.h"
+#include "knotreel/knots/long_edges.h"
 
 namespace knotreel::knots {
 
@@ -93,6 +94,7 @@ std::size_t remove_idle_knots(EditableMesh& mesh, const Target& target, std::spa
         (removed >= face_errors.size() || 0.5 * face_errors[removed] <= options.ratio * c.cost))
       break;
     if (touched[c.knot]) continue;
+    if (options.longest_edge > 0 && keeps_edges_short(mesh, c.knot, options.longest_edge)) continue;
     mesh.faces_around(c.knot, ring);
     for (const FaceIndex f : ring) {
       for (const KnotIndex k : mesh.face(f)) touched[k] = true;

@@ -8,6 +8,7 @@
 #include "knotreel/fit/descend.h"
 #include "knotreel/fit/knot_gradient.h"
 #include "knotreel/knots/idle_knots.h"
+#include "knotreel/knots/long_edges.h"
 #include "knotreel/knots/refine.h"
 #include "knotreel/mesh/insert_polylines.h"
 #include "track/births.h"
@@ -26,6 +27,7 @@ using mesh::KnotMesh;
 constexpr double kLeastShare = 0.25;    // of what features may use, that a group without any may come to
 constexpr double kRoomOfDense = 1.2;    // times what the first frame has
 constexpr double kFunctionsOfKnot = 3;  // about: the least by which a group grows
+constexpr double kShareOfLong = 0.25;   // of what is left of the bound, most that go where edges are long
 constexpr double kBoundLeeway = 0.003;  // of the bound, that new knots leave: links that change need room too
 
 }  // namespace
@@ -135,9 +137,10 @@ void Rework::refill(const ReworkInput& input, std::span<const float> errors, boo
   double missing = (wanted - functions - born_functions) / per_knot;
   // Features come and go there, and what they leave need not be filled.
   if (input.is_drawn && !input.is_missed) missing = std::min(missing, 0.0);
+  knots::SwapOptions swap = urgent ? options_.urgent_swap : options_.swap;
+  if (input.is_drawn) swap.longest_edge = options_.drawn->longest_edge;
   const std::size_t removed = knots::remove_idle_knots(
-      mesh, input.target, knots::sorted_face_errors(mesh, errors, width, height),
-      urgent ? options_.urgent_swap : options_.swap,
+      mesh, input.target, knots::sorted_face_errors(mesh, errors, width, height), swap,
       born.empty() && !input.is_drawn ? 0 : static_cast<std::size_t>(std::max(0.0, -missing)));
   log.changes.swapped += removed;
   knots::RefineOptions refine;
@@ -145,6 +148,11 @@ void Rework::refill(const ReworkInput& input, std::span<const float> errors, boo
   refine.min_distance = options_.carry.min_distance;
   std::vector<KnotIndex> fresh =
       knots::refine_knots(mesh, errors, frame.seen.placed->places(), width, height, refine);
+  if (input.is_drawn && swap.longest_edge > 0) {
+    const double room = static_cast<double>(input.most_functions) - functions;
+    log.changes.inserted += knots::split_long_edges(
+        mesh, swap.longest_edge, static_cast<std::size_t>(std::max(0.0, kShareOfLong * room / per_knot)));
+  }
   log.changes.inserted += fresh.size();
   fresh.insert(fresh.end(), born.begin(), born.end());
   log.next_id = mesh.next_id();

@@ -29,6 +29,7 @@ void check_options(const Options& options) {
   if (!(options.noisy_smoothing >= 0)) refuse("the smoothing of noisy drawings cannot be negative");
   if (!(options.drawn_threshold >= 0)) refuse("the threshold of drawn edges cannot be negative");
   if (!(options.drawn_distance > 0)) refuse("the distance of drawn curves must be above zero");
+  if (!(options.longest_edge >= 0)) refuse("the longest edge cannot be negative");
   if (!(options.segment_knot_spacing > 0)) refuse("knots of feature segments must be some way apart");
   if (options.descent_steps < 0) refuse("the steps of the descent cannot be negative");
   if (options.optimise.rounds < 0 || options.optimise.steps < 0)

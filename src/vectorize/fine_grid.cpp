@@ -59,6 +59,7 @@ bool wants_fine_grid(const image::Image& picture, const Options& options) {
 }
 
 Options suited_to(const image::Image& picture, Options options) {
+  if (options.longest_edge > 0 && !features::is_drawing(picture)) options.longest_edge = 0;
   if (options.noisy_smoothing == 0 || features::is_clean(picture)) return options;
   options.fine_smoothing = options.noisy_smoothing;
   options.drawn_threshold = 0;
@@ -88,6 +89,7 @@ Options on_fine_grid(Options options) {
   options.parametrize.polyline_distance *= kScale;
   options.drawn_distance *= kScale;
   options.segment_knot_spacing *= kScale;
+  options.longest_edge *= kScale;
   options.optimise.min_distance *= kScale;
   return options;
 }

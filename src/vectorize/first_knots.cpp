@@ -5,6 +5,7 @@
 #include <limits>
 
 #include "knotreel/knots/block_errors.h"
+#include "knotreel/knots/long_edges.h"
 #include "vectorize/feature_budget.h"
 
 namespace knotreel::vectorize {
@@ -12,6 +13,9 @@ namespace {
 
 // Piecewise linear functions need more knots for the same error than the splines over the same knots.
 constexpr double kLinearSlack = 1.3;
+
+// Of the knots that the bound leaves, most that go where edges are long.
+constexpr double kShareOfLong = 0.25;
 
 }  // namespace
 
@@ -30,7 +34,12 @@ knots::PlaceOptions first_knots(const mesh::EditableMesh& mesh, double functions
 void insert_first_knots(const knots::Target& target, std::size_t max_functions, const Options& options,
                         mesh::EditableMesh& mesh) {
   const double share = options.rounds > 1 ? options.first_share : 1.0;
-  knots::insert_knots(mesh, target, first_knots(mesh, share * static_cast<double>(max_functions), options));
+  const knots::PlaceOptions first = first_knots(mesh, share * static_cast<double>(max_functions), options);
+  if (options.longest_edge > 0) {
+    const auto room = static_cast<double>(first.max_knots - mesh.knot_count());
+    knots::split_long_edges(mesh, options.longest_edge, static_cast<std::size_t>(kShareOfLong * room));
+  }
+  knots::insert_knots(mesh, target, first);
 }
 
 }  // namespace knotreel::vectorize

@@ -136,6 +136,7 @@ Options video_options(Options picture) {
   picture.corner_detection = false;
   picture.clear_curves = picture.clear_inside = false;
   picture.fine_grid = FineGrid::kNone;
+  picture.longest_edge = 0;
   picture.room_for_features = false;
   picture.drawn_distance = picture.parametrize.polyline_distance;
   // The frames behind are not fitted so: it would take a tenth of their time (docs/decisions/0038).

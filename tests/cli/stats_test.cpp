@@ -88,6 +88,7 @@ TEST(CliStats, HoldWhatTheDocumentationPromises) {
                                  "smooth_corners",
                                  "clear_curves",
                                  "clear_inside",
+                                 "longest_edge",
                                  "fine_grid",
                                  "detect",
                                  "drawn_blur",

@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "support/mesh_cases.h"
@@ -69,6 +70,34 @@ TEST(IdleKnots, GoOnlyForFacesThatAreMuchWorse) {
     any += removed(bad, 0.1);
   }
   EXPECT_GT(any, 0u);
+}
+
+double longest_edge(const EditableMesh& mesh) {
+  double longest = 0;
+  for (mesh::FaceIndex f = 0; f < mesh.face_slots(); ++f) {
+    if (!mesh.is_face(f)) continue;
+    const auto v = mesh.triangle(f);
+    for (std::size_t i = 0; i < 3; ++i) longest = std::max(longest, norm(v[(i + 1) % 3] - v[i]));
+  }
+  return longest;
+}
+
+/// All of the ground is idle, but without its knots faces would reach across it.
+TEST(IdleKnots, StayWhereEdgesWouldBeLongWithoutThem) {
+  int needed = 0;
+  for (const auto& c : knotreel::testing::random_cases(31, 10)) {
+    SCOPED_TRACE(c.to_text());
+    const Target target(half_flat(int(c.mesh.width), int(c.mesh.height)), {});
+    EditableMesh mesh(c.mesh);
+    const double longest = longest_edge(mesh);
+    const std::size_t all = mesh.knot_count();
+    remove_idle_knots(mesh, target, {}, {.longest_edge = longest}, all);
+    EXPECT_LE(longest_edge(mesh), longest);
+    EditableMesh other(c.mesh);
+    remove_idle_knots(other, target, {}, {}, all);
+    if (longest_edge(other) > longest) ++needed;
+  }
+  EXPECT_GT(needed, 0);
 }
 
 }  // namespace

@@ -11,8 +11,9 @@
 namespace knotreel::knots {
 
 struct SwapOptions {
-  double ratio = 40;    ///< a knot goes if the error that another one could mend is so many times its own
-  double share = 0.02;  ///< most of the knots that go at once
+  double ratio = 40;        ///< a knot goes if the error that another one could mend is so many times its own
+  double share = 0.02;      ///< most of the knots that go at once
+  double longest_edge = 0;  ///< pixels; knots stay where there may be longer ones without them; 0: any may go
 };
 
 /// Errors of the faces of a surface, the largest first.
