@@ -63,7 +63,8 @@ class ElasticSheet {
           std::span(values.values).subspan(values.begin[i], values.begin[i + 1] - values.begin[i]);
       add_point(here, points[i].position - points[i].parameter);
     }
-    for (const fit::JointEquation& e : fit::joint_equations(space_, fit::joints_of(points))) add_joint(e);
+    for (const fit::JointEquation& e : fit::joint_equations(space_, fit::joints_of(points)))
+      add_row(e.terms, e.wanted, kJoint);
   }
 
   void solve(std::vector<Vec2>& displacement) const {
@@ -159,16 +160,11 @@ class ElasticSheet {
     add_row(terms_, wanted, 1);
   }
 
-  void add_joint(const fit::JointEquation& joint) {
-    Vec2 wanted = joint.wanted;
-    for (const fit::GeometryTerm& t : joint.terms) {
+  /// That the sum of the terms should be what is wanted. Control points that stay bring what they have.
+  void add_row(std::span<const fit::GeometryTerm> terms, Vec2 wanted, double weight) {
+    for (const fit::GeometryTerm& t : terms) {
       if (row_of_[t.group] < 0) wanted = wanted - t.factor * before_[t.group];
     }
-    add_row(joint.terms, wanted, kJoint);
-  }
-
-  /// That the sum of the terms should be what is wanted.
-  void add_row(std::span<const fit::GeometryTerm> terms, Vec2 wanted, double weight) {
     for (const fit::GeometryTerm& a : terms) {
       const int r = row_of_[a.group];
       if (r < 0) continue;

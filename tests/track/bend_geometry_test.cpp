@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <memory>
 #include <numbers>
@@ -149,6 +150,29 @@ TEST(BendGeometry, WhatIsHeldStays) {
     moved += displacement[g] != Vec2{0.125, 0} ? 1 : 0;
   }
   EXPECT_GT(moved, 10u);
+}
+
+TEST(BendGeometry, WhatIsHeldIsReckonedWith) {
+  // Curves lie where they belong, by what all control points do together: those that may move have nothing to
+  // do, whichever others are held.
+  const spline::Basis basis(std::make_shared<const spline::SplineSpace>(crowded_feature(), 2));
+  const std::vector<Vec2> sites = basis.space().geometry_greville();
+  std::vector<Vec2> old(sites.size());
+  for (std::size_t g = 0; g < sites.size(); ++g) {
+    const bool inside = sites[g].x > 0 && sites[g].y > 0 && sites[g].x < 64 && sites[g].y < 48;
+    if (inside) old[g] = {0.5 + 0.01 * sites[g].x, -0.8};
+  }
+  std::vector<fit::CurvePoint> points = arc(0);
+  for (fit::CurvePoint& p : points) p.position = fit::image_points(basis, old, {p.parameter}).front();
+  const Sheet sheet{.stiffness = 0, .elasticity = 0, .inertia = 0.05};
+  for (const double left : {0.0, 20.0, 30.0, 45.0}) {
+    std::vector<std::uint8_t> held(sites.size());
+    for (std::size_t g = 0; g < sites.size(); ++g) held[g] = sites[g].x < left ? 1 : 0;
+    std::vector<Vec2> displacement = old;
+    bend_geometry(basis, points, displacement, held, sheet);
+    const std::vector<double> errors = fit::geometry_errors(basis, displacement, points);
+    EXPECT_LT(*std::max_element(errors.begin(), errors.end()), 0.02) << "held up to " << left;
+  }
 }
 
 TEST(BendGeometry, DoingItAgainChangesLittle) {
