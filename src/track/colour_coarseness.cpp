@@ -21,7 +21,7 @@ void ColourCoarseness::end_frame(double psnr) {
     level_ = Level::kFine;
   } else if (psnr < kCoarseBelow) {
     level_ = Level::kCoarse;
-  } else if (psnr < kFineAbove - kLeave && psnr > kCoarseBelow + kLeave) {
+  } else if (level_ == Level::kFine ? psnr < kFineAbove - kLeave : psnr > kCoarseBelow + kLeave) {
     level_ = Level::kUsual;
   }
 }

@@ -41,5 +41,15 @@ TEST(ColourCoarseness, ChangesWithThePicturesButNotToAndFro) {
   EXPECT_EQ(coarseness.factor(), 1);
 }
 
+TEST(ColourCoarseness, WhatIsLeftIsLeftHoweverFarTheFallOrRise) {
+  ColourCoarseness coarseness;
+  coarseness.start_group(40);
+  coarseness.end_frame(26.5);  // where those that come from coarse colours keep them
+  EXPECT_EQ(coarseness.factor(), 1);
+  coarseness.start_group(20);
+  coarseness.end_frame(38);  // where those that come from fine colours keep them
+  EXPECT_EQ(coarseness.factor(), 1);
+}
+
 }  // namespace
 }  // namespace knotreel::track
