@@ -160,6 +160,14 @@ document::FrameModel towards(const document::FrameModel& near, const document::F
   return model;
 }
 
+/// Whether they may be frames of one document.
+bool are_alike(const document::FrameModel& a, const document::FrameModel& b) {
+  const KnotMesh& mesh = a.space->mesh();
+  const KnotMesh& other = b.space->mesh();
+  return mesh.width == other.width && mesh.height == other.height && a.space->degree() == b.space->degree() &&
+         a.channels == b.channels;
+}
+
 }  // namespace
 
 document::FrameModel between(const document::FrameModel& before, const document::FrameModel& after,
@@ -168,6 +176,8 @@ document::FrameModel between(const document::FrameModel& before, const document:
     const std::optional<std::string> defect = document::find_defect(*model);
     if (defect) throw Error(ErrorKind::kInvalidArgument, "there is no frame beside one of which " + *defect);
   }
+  if (!are_alike(before, after))
+    throw Error(ErrorKind::kInvalidArgument, "frames of other size, degree or channels have none in between");
   if (!(share >= 0 && share <= 1))
     throw Error(ErrorKind::kInvalidArgument, "a frame between two is at a share from 0 to 1");
   return share < 0.5 ? towards(before, after, share) : towards(after, before, 1 - share);

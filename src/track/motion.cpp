@@ -8,7 +8,8 @@ namespace knotreel::track {
 Motion motion_between(const image::Image& before, const image::Image& now,
                       const motion::FlowOptions& options) {
   Motion motion;
-  motion.repeated = before.samples == now.samples && before.width == now.width;
+  motion.repeated =
+      before.width == now.width && before.channels == now.channels && before.samples == now.samples;
   if (motion.repeated) return motion;
   motion.unchanged = motion::unchanged_cells(before, now);
   motion.before = std::make_shared<const motion::Luma>(motion::luma_of(before));

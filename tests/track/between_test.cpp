@@ -138,5 +138,29 @@ TEST(Between, WhatIsNoFrameOrNotBetweenIsRefused) {
   EXPECT_THROW(between(a, a, std::nan("")), Error);
 }
 
+TEST(Between, FramesOfOtherDocumentsAreRefused) {
+  const FrameModel a = disk();
+  FrameModel coloured = a;
+  coloured.channels = 3;
+  coloured.colour.resize(3 * a.colour.size());
+  mesh::KnotMesh larger = a.space->mesh();
+  for (Knot& k : larger.knots) k.position = 2.0 * k.position;
+  larger.width *= 2;
+  larger.height *= 2;
+  FrameModel large = a;
+  large.space = std::make_shared<const spline::SplineSpace>(larger, a.space->degree());
+  large.displacement.resize(large.space->geometry_count());
+  large.colour.resize(large.space->function_count());
+  FrameModel linear = a;
+  linear.space = std::make_shared<const spline::SplineSpace>(a.space->mesh(), 1);
+  linear.displacement.resize(linear.space->geometry_count());
+  linear.colour.resize(linear.space->function_count());
+  for (const FrameModel& other : {coloured, large, linear}) {
+    ASSERT_FALSE(document::find_defect(other).has_value());
+    EXPECT_THROW(between(a, other, 0.3), Error);
+    EXPECT_THROW(between(other, a, 0.3), Error);
+  }
+}
+
 }  // namespace
 }  // namespace knotreel::track

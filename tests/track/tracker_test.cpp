@@ -802,5 +802,12 @@ TEST(Tracker, WrongOptionsAreRefused) {
   EXPECT_THROW(Tracker({}, {.delta_coarseness = -1}), Error);
 }
 
+TEST(MotionBetween, PicturesOfOtherShapeAreRefusedWhateverTheirSamples) {
+  const image::Image flat = image::make_image(8, 8, 1);
+  EXPECT_TRUE(motion_between(flat, flat).repeated);
+  EXPECT_THROW(motion_between(flat, image::make_image(8, 4, 2)), Error);
+  EXPECT_THROW(motion_between(flat, image::make_image(4, 16, 1)), Error);
+}
+
 }  // namespace
 }  // namespace knotreel::track

@@ -13,7 +13,8 @@ namespace knotreel::track {
 /// it is.
 /// @param share  of the way from `before` (0, exactly that frame) to `after` (1, exactly that one); at a half
 ///   `after` is the nearer one.
-/// @throws Error{kInvalidArgument} for models with a defect (document::find_defect()), or another share.
+/// @throws Error{kInvalidArgument} for models with a defect (document::find_defect()), models that differ in
+/// size, degree or channels, or another share.
 document::FrameModel between(const document::FrameModel& before, const document::FrameModel& after,
                              double share);
 

@@ -11,7 +11,7 @@ namespace knotreel::track {
 class GroupRule {
  public:
   /// @param first what to say of the first frame.
-  /// @throws Error{kInvalidArgument} if a group is to have no frame.
+  /// @throws Error{kInvalidArgument} for options out of range.
   explicit GroupRule(const TrackOptions& options, Start first = Start::kFirst);
 
   /// @param motion  as for Tracker::next(), frame by frame. @return never kDrift.

@@ -147,6 +147,7 @@ class Tracker {
  public:
   /// @param first why the first frame starts a group: a tracker may begin at a cut, since nothing of what was
   ///              before has any influence from there on.
+  /// @throws Error{kInvalidArgument} for track options out of range; for others next() does.
   Tracker(const vectorize::Options& cold, const TrackOptions& options, Start first = Start::kFirst);
   ~Tracker();
   Tracker(Tracker&&) noexcept;
