@@ -117,6 +117,8 @@ void check_sizes(const spline::SplineSpace& space, const Pixels& pixels, const C
   const std::size_t points = space.function_count() * static_cast<std::size_t>(pixels.image->channels);
   if (!options.start.empty() && options.start.size() != points)
     throw Error(ErrorKind::kInvalidArgument, "a fit needs one start per control point");
+  if (!options.reluctance.empty() && options.reluctance.size() != space.function_count())
+    throw Error(ErrorKind::kInvalidArgument, "control points are reluctant by one number per function");
   if (options.fixed.empty()) return;
   if (options.fixed.size() != space.function_count() || options.start.empty())
     throw Error(ErrorKind::kInvalidArgument, "control points stay at their start by one flag per function");

@@ -47,9 +47,8 @@ class Guards {
         for (const KnotIndex k : g.knots) bad[k] = true;
       }
       if (!any) return;
-      const double factor = attempt < 4 ? 0.5 : 0.0;
       for (KnotIndex k = 0; k < bad.size(); ++k) {
-        if (bad[k]) moves[k] = factor * moves[k];
+        if (bad[k]) moves[k] = attempt < 4 ? 0.5 * moves[k] : Vec2{};
       }
     }
   }

@@ -249,6 +249,14 @@ TEST(ColourFitInput, SizesMustAgree) {
   const std::vector<Vec2> places(48 * 40 + 1);
   EXPECT_THROW(fit_colours(basis, {.image = &image, .weights = weights}), Error);
   EXPECT_THROW(fit_colours(basis, {.image = &image, .places = places}), Error);
+  // Also where not all control points are looked for, so that only some of the numbers are needed.
+  const std::vector<double> start(3 * space->function_count(), 100.0);
+  const std::vector<double> reluctance(space->function_count() - 1, 0.5);
+  std::vector<std::uint8_t> fixed(space->function_count(), 0);
+  fixed.front() = 1;
+  EXPECT_THROW(fit_colours(basis, {.image = &image},
+                           {.start = start, .step = 2, .reluctance = reluctance, .fixed = fixed}),
+               Error);
 }
 
 TEST(SurfaceAtPixels, EqualsEvaluationByPoints) {

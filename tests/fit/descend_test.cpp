@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <stdexcept>
 
 #include "fit/fit_cases.h"
@@ -182,8 +183,8 @@ TEST(DescentSteps, UseTheOptionsOfTheColourFit) {
   EXPECT_LT(most_apart(fit_colours(spline::Basis(to.space), pixels, options).control, to.fit.control), 0.05);
 }
 
-/// However long a step that is asked for, it leaves faces of a quarter of the distance, or takes at most half
-/// of what is left of thinner ones.
+/// However long a step that is asked for, it leaves faces of a quarter of the distance, and thinner ones as
+/// thick as they were.
 TEST(DescentSteps, KeepFacesThick) {
   const image::Image image = picture(1);
   const Pixels pixels{.image = &image};
@@ -201,7 +202,7 @@ TEST(DescentSteps, KeepFacesThick) {
     const ColourSurface next = descend(at, pixels, {.steps = 1, .first_step = 3, .min_distance = 8});
     ASSERT_NE(next.space, at.space);
     for (const mesh::Face& f : at.space->mesh().faces) {
-      const double least = std::min(2.0, 0.5 * height(at.space->mesh(), f));
+      const double least = std::min(2.0, height(at.space->mesh(), f));
       ASSERT_GE(height(next.space->mesh(), f), least - 1e-9);
       stopped += height(next.space->mesh(), f) < 1.5 * least;
     }
@@ -209,6 +210,17 @@ TEST(DescentSteps, KeepFacesThick) {
     at = next;
   }
   EXPECT_GT(stopped, 0) << "the steps were long enough to meet the bounds";
+}
+
+TEST(LimitedMoves, WhatIsNoMoveIsNone) {
+  const auto space = make_space(featured_mesh(1), 2);
+  std::vector<Vec2> moves(space->mesh().knots.size(), Vec2{1e-3, 0});
+  moves.back() = {std::numeric_limits<double>::quiet_NaN(), 0};
+  moves[moves.size() - 2] = {0, std::numeric_limits<double>::infinity()};
+  limit_moves(*space, space->mesh(), 1.0, moves);
+  EXPECT_EQ(moves.back(), Vec2{});
+  EXPECT_EQ(moves[moves.size() - 2], Vec2{});
+  EXPECT_EQ(moves.front(), (Vec2{1e-3, 0})) << "far away";
 }
 
 }  // namespace
