@@ -141,9 +141,10 @@ std::vector<std::uint8_t> Kept::surface(std::span<const double> control) const {
   const auto channels = static_cast<std::size_t>(frame_.seen.picture.channels);
   std::vector<std::uint8_t> kept(functions_.size());
   for (FunctionIndex f = 0; f < kept.size(); ++f) {
+    if (!functions_[f]) continue;
     const auto now = control.subspan(f * channels, channels);
     const auto before = before_.colours.control.begin() + static_cast<std::ptrdiff_t>(match_[f] * channels);
-    kept[f] = functions_[f] && std::equal(now.begin(), now.end(), before) ? 1 : 0;
+    kept[f] = std::equal(now.begin(), now.end(), before) ? 1 : 0;
   }
   std::vector<std::uint8_t> same = tiles_;
   const spline::PixelValues& values = frame_.values();

@@ -112,12 +112,14 @@ class PartSource : public Source {
   void describe() {
     const bool is_known = info_.frames > 0 && info_.seconds > 0;
     const double rate = is_known ? static_cast<double>(info_.frames) / info_.seconds : 0;
-    if (has_sought_) passed_over_ = static_cast<std::uint64_t>(std::round(length_before_ * rate));
+    const auto frames_in = [&](double seconds) {
+      return static_cast<std::uint64_t>(std::min(kMostFrames, std::round(seconds * rate)));
+    };
+    if (has_sought_) passed_over_ = frames_in(length_before_);
     info_.frames -= std::min(info_.frames, passed_over_);
     std::uint64_t most = part_.count;
     if (part_.end < kForever && rate > 0) {
-      const double frames = std::min(kMostFrames, std::round((part_.end - part_.start) * rate));
-      const auto there = static_cast<std::uint64_t>(frames);
+      const std::uint64_t there = frames_in(part_.end - part_.start);
       most = std::max<std::uint64_t>(1, most > 0 ? std::min(most, there) : there);
     }
     if (most > 0) info_.frames = info_.frames > 0 ? std::min(info_.frames, most) : most;
