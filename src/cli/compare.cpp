@@ -10,6 +10,7 @@
 #include "cli/frame_source.h"
 #include "cli/metrics_report.h"
 #include "cli/pictures.h"
+#include "cli/video_options.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 

@@ -15,7 +15,6 @@
 #include "cli/part_options.h"
 #include "cli/pictures.h"
 #include "cli/printable.h"
-#include "cli/video_options.h"
 #include "cli/video_report.h"
 #include "cli/video_run.h"
 #include "knotreel/base/error.h"

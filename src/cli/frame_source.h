@@ -6,8 +6,8 @@
 #include <span>
 #include <string>
 
-#include "cli/video_options.h"
 #include "knotreel/image/image.h"
+#include "knotreel/video/reader.h"
 
 namespace knotreel::cli {
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "cli/parse.h"
-#include "knotreel/video/turn.h"
+#include "knotreel/base/turn.h"
 
 namespace knotreel::cli {
 

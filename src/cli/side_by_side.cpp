@@ -5,6 +5,7 @@
 
 #include "cli/debug/drawings.h"
 #include "knotreel/raster/render.h"
+#include "knotreel/video/turn.h"
 
 namespace knotreel::cli {
 namespace {

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "knotreel/pipeline/job.h"
-#include "knotreel/video/turn.h"
+#include "knotreel/base/turn.h"
+#include "knotreel/document/frame_model.h"
+#include "knotreel/image/image.h"
 
 namespace knotreel::cli {
 

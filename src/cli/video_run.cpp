@@ -28,6 +28,7 @@
 #include "knotreel/image/format.h"
 #include "knotreel/pipeline/run.h"
 #include "knotreel/video/picture_list.h"
+#include "knotreel/video/turn.h"
 
 namespace knotreel::cli {
 namespace {

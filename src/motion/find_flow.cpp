@@ -5,7 +5,6 @@
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/motion/flow.h"
-#include "knotreel/motion/unchanged.h"
 #include "motion/changed_boxes.h"
 #include "motion/check_sizes.h"
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include "knotreel/base/vec2.h"
 #include "knotreel/raster/render.h"
 
 namespace knotreel::raster {

@@ -6,7 +6,6 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "spline/jet.h"
-#include "spline/tent.h"
 #include "spline/tile_terms.h"
 
 namespace knotreel::spline {

@@ -35,7 +35,6 @@
 #include "track/new_knots.h"
 #include "track/quality.h"
 #include "track/redraw_mesh.h"
-#include "track/resting_knots.h"
 #include "track/rework.h"
 #include "track/warm_fit.h"
 #include "vectorize/check_picture.h"

@@ -4,7 +4,7 @@
 #include <memory>
 #include <string>
 
-#include "knotreel/video/turn.h"
+#include "knotreel/base/turn.h"
 #include "knotreel/video/writer.h"
 #include "warnings.h"
 

@@ -6,6 +6,7 @@
 #include "knotreel/base/error.h"
 #include "knotreel/image/format.h"
 #include "knotreel/video/picture_list.h"
+#include "knotreel/video/turn.h"
 #include "libav.h"
 #include "sink.h"
 

@@ -10,7 +10,6 @@
 #include "knotreel/base/error.h"
 #include "knotreel/base/output_file.h"
 #include "knotreel/image/metrics.h"
-#include "knotreel/image/read_image.h"
 #include "knotreel/vectorize/vectorize.h"
 
 namespace knotreel::cli::batch {
