@@ -119,6 +119,39 @@ TEST(SideEnds, ArcsBetweenThemAreRound) {
   EXPECT_GE(points_with(&ChainPoint::rounded, chains).size(), arcs);
 }
 
+/// Two straight sides, and between them a point per turn, all a pixel apart.
+FeatureChains bend_of(const std::vector<double>& turns) {
+  FeatureChains chains;
+  chains.width = chains.height = 80;
+  Chain& chain = chains.chains.emplace_back();
+  Vec2 p{10.5, 20.5};
+  double angle = 0.1;
+  const auto go_on = [&](double turn) {
+    angle += turn;
+    p = p + Vec2{std::cos(angle), std::sin(angle)};
+    ChainPoint& point = chain.points.emplace_back();
+    point.x = static_cast<int>(p.x);
+    point.y = static_cast<int>(p.y);
+    point.position = p;
+  };
+  for (int i = 0; i < 20; ++i) go_on(0);
+  for (const double turn : turns) go_on(turn);
+  for (int i = 0; i < 20; ++i) go_on(0);
+  return chains;
+}
+
+TEST(SideEnds, OnlyWhatTurnsEvenlyBetweenThemIsRound) {
+  FeatureChains even = bend_of(std::vector<double>(12, 0.1));
+  prefer_side_ends(even);
+  EXPECT_GE(points_with(&ChainPoint::rounded, even).size(), 10U);
+  // By as much, but nearly all of it at one place.
+  std::vector<double> turns(12, 0.03);
+  turns[6] = 0.87;
+  FeatureChains uneven = bend_of(turns);
+  prefer_side_ends(uneven);
+  EXPECT_TRUE(points_with(&ChainPoint::rounded, uneven).empty());
+}
+
 TEST(SideEnds, AreNotOnRoundThingsNorAtCorners) {
   for (const double radius : {4.0, 9.0, 17.0, 35.0}) {
     EXPECT_TRUE(points_with(&ChainPoint::preferred, marked(testing::disc(80, 40.2, 39.9, radius))).empty())

@@ -63,6 +63,19 @@ TEST(ConjugateGradients, FindTheSolutionFromNearby) {
   }
 }
 
+TEST(ConjugateGradients, FindTheSolutionWhereTheFactorNeedsALargerDiagonal) {
+  // As Kershaw's example, positive definite, but a factor without fill has a negative pivot, unless a tenth
+  // is added to the diagonal.
+  Eigen::Matrix4d dense;
+  dense << 3, -1.8, 0, 1.8, -1.8, 3, -1.8, 0, 0, -1.8, 3, -1.8, 1.8, 0, -1.8, 3;
+  const Matrix lower = Matrix(dense.sparseView()).triangularView<Eigen::Lower>();
+  std::mt19937_64 random(kConjugateGradientsSeed);
+  const Eigen::MatrixXd solution = random_numbers(4, 3, 255, random);
+  const auto found = conjugate_gradients(lower, dense * solution, Eigen::MatrixXd::Zero(4, 3));
+  ASSERT_TRUE(found);
+  EXPECT_LT((*found - solution).cwiseAbs().maxCoeff(), 0.1);
+}
+
 TEST(ConjugateGradients, StayWhereTheSolutionIs) {
   std::mt19937_64 random(kConjugateGradientsSeed);
   const Matrix lower = normal_equations(200, random);

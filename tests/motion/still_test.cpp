@@ -121,6 +121,20 @@ TEST(StillTest, ComparesMeanResidualsOfTheWindow) {
   EXPECT_EQ(moving.at({8.5, 20.5}), Stillness::kStays);
 }
 
+TEST(StillTest, TheBorderCountsLikeTheRest) {
+  // What changes by as much everywhere is missed by as much everywhere.
+  const Luma from{9, 7, std::vector<std::uint8_t>(63, 100)};
+  const Luma to{9, 7, std::vector<std::uint8_t>(63, 110)};
+  const StillTest barely(from, to, from, {.radius = 0, .ratio = 1, .slack = 99.9});
+  const StillTest hardly(from, to, from, {.radius = 0, .ratio = 1, .slack = 100.1});
+  for (int y = 0; y < 7; ++y) {
+    for (int x = 0; x < 9; ++x) {
+      EXPECT_EQ(barely.at({x + 0.5, y + 0.5}), Stillness::kMoves) << x << ' ' << y;
+      EXPECT_EQ(hardly.at({x + 0.5, y + 0.5}), Stillness::kEither) << x << ' ' << y;
+    }
+  }
+}
+
 TEST(StillPoints, WhatHasNoMotionIsStill) {
   const auto [from, to] = changed_square();
   const std::vector<Vec2> points{{20.5, 20.5}, {20.5, 20.5}};
