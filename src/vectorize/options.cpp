@@ -2,9 +2,11 @@
 #include "knotreel/vectorize/options.h"
 
 #include <algorithm>
+#include <limits>
 
 #include "knotreel/features/captions.h"
 #include "knotreel/features/flat_share.h"
+#include "knotreel/spline/space.h"
 
 namespace knotreel::vectorize {
 
@@ -82,7 +84,10 @@ std::size_t default_cramped_video_control_points(std::uint64_t pixels) {
 }
 
 std::size_t most_control_points(const Options& options, const image::Image& picture) {
-  return options.max_control_points > 0 ? options.max_control_points : default_control_points(picture);
+  // More have no number in a space, and what is reckoned with them has to fit into integers.
+  constexpr std::size_t kMost = std::numeric_limits<spline::FunctionIndex>::max();
+  return options.max_control_points > 0 ? std::min(kMost, options.max_control_points)
+                                        : default_control_points(picture);
 }
 
 Options preset_options(Preset preset) {

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
 #include <random>
 #include <sstream>
 
@@ -444,6 +445,15 @@ TEST(Vectorize, TheBoundStaysWhereFeaturesHaveRoom) {
     return std::hypot(x - 110, y - 86) < 60 ? Colour{0, 0, 0, 0} : Colour{255, 255, 255, 0};
   });
   EXPECT_EQ(vectorize_picture(drawing).report.max_control_points, default_control_points(drawing));
+}
+
+TEST(Vectorize, BoundsBeyondAllPicturesAreTheSame) {
+  const image::Image picture = noise_picture(40, 30);
+  const auto control_points = [&](std::size_t most) {
+    return vectorize_picture(picture, {.degree = 1, .rounds = 1, .max_control_points = most})
+        .model.space->function_count();
+  };
+  EXPECT_EQ(control_points(std::numeric_limits<std::size_t>::max()), control_points(1'000'000));
 }
 
 TEST(Vectorize, DrawingsMayHaveMoreControlPoints) {

@@ -160,7 +160,7 @@ std::size_t default_dense_drawn_video_control_points(std::uint64_t pixels);
 /// to 75,000 (docs/decisions/0050).
 std::size_t default_cramped_video_control_points(std::uint64_t pixels);
 
-/// Those that a model may have at most: what the options say, or as many as by default.
+/// Those that a model may have at most: what the options say, up to 2^32 - 1, or as many as by default.
 std::size_t most_control_points(const Options& options, const image::Image& picture);
 
 /// The effort of a preset, all else as by default.
