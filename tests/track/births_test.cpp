@@ -31,13 +31,18 @@ std::vector<float> misses(const image::Image& picture) {
   return errors;
 }
 
-/// Features of a picture that the model of another one lacks.
+/// Features of a picture that the model of another one lacks, which misses so much of it.
 std::vector<std::vector<Vec2>> missing(const image::Image& modelled, const image::Image& picture,
-                                       double most_length = 1000) {
+                                       const std::vector<float>& squared_errors, double most_length = 1000) {
   const vectorize::Options options;
   const auto cold = make_cold_frame(modelled, {options}, 2);
   return missing_features(*cold->frame.basis, cold->frame.displacement, cold->frame.seen, picture,
-                          misses(picture), options.detect, most_length);
+                          squared_errors, options.detect, most_length);
+}
+
+std::vector<std::vector<Vec2>> missing(const image::Image& modelled, const image::Image& picture,
+                                       double most_length = 1000) {
+  return missing(modelled, picture, misses(picture), most_length);
 }
 
 TEST(Births, AnEdgeThatTheModelLacksIsFound) {
@@ -60,6 +65,13 @@ TEST(Births, WeakEdgesAndThoseWithoutRoomAreLeft) {
   EXPECT_TRUE(missing(flat(), edge_at(48), 20).empty());
 }
 
+TEST(Births, WhatIsMissedLessThanTheRestIsLeft) {
+  const image::Image picture = edge_at(48);
+  std::vector<float> errors = misses(picture);
+  for (float& e : errors) e = 1 / (1 + e);
+  EXPECT_TRUE(missing(flat(), picture, errors).empty());
+}
+
 image::Image disc(double radius) {
   image::Image picture = flat();
   for (int y = 0; y < picture.height; ++y) {
@@ -78,6 +90,7 @@ TEST(Births, ARingIsOneCurveHoweverSmall) {
     double length = 0;
     for (std::size_t i = 1; i < lines[0].size(); ++i) length += norm(lines[0][i] - lines[0][i - 1]);
     EXPECT_GT(length, 0.6 * 2 * 3.14159 * radius) << radius;
+    EXPECT_GT(norm(lines[0].back() - lines[0].front()), 3) << "open: there is room between its ends";
   }
 }
 

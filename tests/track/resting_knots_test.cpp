@@ -11,6 +11,7 @@ namespace knotreel::track {
 namespace {
 
 constexpr int kFramesToRest = 2;
+constexpr double kAside = 3;  // pixels: surfaces are displaced
 
 /// At rest but for one cell.
 motion::Rest rest_but_at(int width, int height, int x, int y) {
@@ -23,7 +24,7 @@ motion::Rest rest_but_at(int width, int height, int x, int y) {
   return rest;
 }
 
-TEST(RestingKnots, HaveNoFaceWhereSomethingChanges) {
+TEST(RestingKnots, HaveNoFaceNearWhatChanges) {
   std::size_t resting = 0;
   for (const auto& c : testing::random_cases(3, 20)) {
     const int width = static_cast<int>(c.mesh.width);
@@ -39,7 +40,8 @@ TEST(RestingKnots, HaveNoFaceWhereSomethingChanges) {
         low = {std::min(low.x, p.x), std::min(low.y, p.y)};
         high = {std::max(high.x, p.x), std::max(high.y, p.y)};
       }
-      if (high.x < changed.x || low.x > changed.x + 8 || high.y < changed.y || low.y > changed.y + 8)
+      if (high.x + kAside < changed.x || low.x - kAside > changed.x + 8 || high.y + kAside < changed.y ||
+          low.y - kAside > changed.y + 8)
         continue;
       for (const mesh::KnotIndex k : face) EXPECT_FALSE(rests[k]) << c.name;
     }
