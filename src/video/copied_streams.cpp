@@ -151,6 +151,16 @@ void drop_stale(AVDictionary** metadata) {
   for (const std::string& key : statistics) av_dict_set(metadata, key.c_str(), nullptr, 0);
 }
 
+/// What has to be added to the times of a stream, in ticks of it, for readers to find these. Matroska has
+/// those of Opus with the samples that decoders leave out at the start; libav takes them off when it reads,
+/// but does not add them when it writes.
+std::int64_t delay_of_container(const AVStream& stream, const AVOutputFormat& container) {
+  const std::string_view name = container.name;
+  const bool is_matroska = name == "matroska" || name == "webm";
+  if (!is_matroska || stream.codecpar->codec_id != AV_CODEC_ID_OPUS) return 0;
+  return av_rescale_q(stream.codecpar->initial_padding, {1, 48000}, stream.time_base);
+}
+
 }  // namespace
 
 void CopiedStreams::make(const Source& source, AVFormatContext& output, Warnings& warnings) {
@@ -180,7 +190,11 @@ PacketPtr CopiedStreams::prepare(const Packet& packet, std::int64_t start, AVRat
   PacketPtr result = moved_packet(*copied, start, unit);
   Target& target = found->second;
   if (result->dts == AV_NOPTS_VALUE) result->dts = result->pts;
-  av_packet_rescale_ts(result.get(), copied->time_base, output.streams[target.stream]->time_base);
+  const AVStream& stream = *output.streams[target.stream];
+  av_packet_rescale_ts(result.get(), copied->time_base, stream.time_base);
+  const std::int64_t delay = delay_of_container(stream, *output.oformat);
+  if (result->dts != AV_NOPTS_VALUE) result->dts += delay;
+  if (result->pts != AV_NOPTS_VALUE) result->pts += delay;
   // Muxers refuse times that do not go up; damaged sources have them.
   if (target.last_dts != AV_NOPTS_VALUE && result->dts != AV_NOPTS_VALUE) {
     const bool equal_is_fine = (output.oformat->flags & AVFMT_TS_NONSTRICT) != 0;

@@ -42,9 +42,10 @@ void open(Track& track) {
 Track add_sound(AVFormatContext& output, const std::string& codec) {
   Track track = add_track(output, avcodec_find_encoder_by_name(codec.c_str()));
   AVCodecContext& encoder = *track.encoder;
-  encoder.sample_rate = 44100;
+  // Opus takes no other rate.
+  encoder.sample_rate = codec == "libopus" ? 48000 : 44100;
   encoder.sample_fmt = encoder.codec->sample_fmts[0];
-  encoder.time_base = {1, 44100};
+  encoder.time_base = {1, encoder.sample_rate};
   av_channel_layout_default(&encoder.ch_layout, 1);
   open(track);
   return track;
@@ -90,12 +91,13 @@ void fill(AVFrame& frame) {
 
 void send_sound(AVFormatContext& output, Track& track, int seconds) {
   const int size = track.encoder->frame_size > 0 ? track.encoder->frame_size : 1024;
-  for (int at = 0; at + size <= 44100 * seconds; at += size) {
+  const int rate = track.encoder->sample_rate;
+  for (int at = 0; at + size <= rate * seconds; at += size) {
     const FramePtr frame = new_frame();
     frame->format = track.encoder->sample_fmt;
     frame->nb_samples = size;
     frame->pts = at;
-    frame->sample_rate = 44100;
+    frame->sample_rate = rate;
     av_channel_layout_default(&frame->ch_layout, 1);
     checked(av_frame_get_buffer(frame.get(), 0));
     fill(*frame);
