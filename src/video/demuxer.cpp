@@ -173,6 +173,10 @@ bool Demuxer::has_index() const {
   return knows && format_->pb != nullptr && (format_->pb->seekable & AVIO_SEEKABLE_NORMAL) != 0;
 }
 
+bool Demuxer::numbers_packets() const {
+  return std::string_view(format_->iformat->name) == "mpegts";
+}
+
 bool Demuxer::seek(std::int64_t pts) {
   return has_index() && av_seek_frame(format_.get(), video_, pts, AVSEEK_FLAG_BACKWARD) >= 0;
 }

@@ -37,6 +37,12 @@ class Demuxer {
   /// How often the clock of what was read has started anew (JoinedTimes).
   std::size_t joints() const { return times_.joints(); }
 
+  /// How many of them lie before the last packet of the video.
+  std::size_t joints_before_video() const { return times_.joints_before(video_); }
+
+  /// Whether what is read is numbered, so that it is told where something is missing: a transport stream.
+  bool numbers_packets() const;
+
   /// Goes on with the last packet before a time from which the video can be decoded, if the file has an index
   /// of when frames are shown. @param pts ticks of the video stream. @return whether it did.
   bool seek(std::int64_t pts);

@@ -22,6 +22,12 @@ class JoinedTimes {
   /// How often the clock has started anew.
   std::size_t joints() const { return parts_.size() - 1; }
 
+  /// How many joints lie before the last packet of a stream.
+  std::size_t joints_before(int stream) const {
+    const auto found = clocks_.find(stream);
+    return found == clocks_.end() ? 0 : found->second.part;
+  }
+
  private:
   /// What is between two joints. Times and steps are microseconds.
   struct Part {

@@ -113,13 +113,13 @@ std::vector<int> StreamSource::copied_streams() const {
   return streams;
 }
 
-void StreamSource::damage(const std::string& why) {
+void StreamSource::damage(const std::string& why, const std::string& told) {
   ++damaged_;
   if (strict_) {
     throw Error(ErrorKind::kInput, demuxer_.cannot_read() + "damaged after frame " +
                                        std::to_string(decoded_) + " (" + why + ")");
   }
-  warnings_.count("packets or frames are damaged and left out");
+  warnings_.count(told);
 }
 
 /// The next frame as it is handed out; null at the end.
@@ -188,6 +188,7 @@ PacketPtr StreamSource::read_packet() {
 void StreamSource::feed() {
   PacketPtr packet = read_packet();
   if (!packet) {
+    if (gap_) take_gap();
     avcodec_send_packet(decoder_.get(), nullptr);
   } else if (packet->stream_index == demuxer_.video_index()) {
     take_video(std::move(packet));
@@ -228,8 +229,26 @@ void StreamSource::pass_over(const AVPacket& packet) {
   if (packet.duration > 0) last_duration_ = packet.duration;
 }
 
+/// Tells of the last gap unless it was a joint, from which on packets are numbered anew.
+void StreamSource::take_gap() {
+  const bool was_joint = demuxer_.joints_before_video() > gap_->joints;
+  gap_.reset();
+  if (!was_joint) damage("packets are missing", "gaps in the video; frames show what is there");
+}
+
+/// The demuxer tells of a gap with the packet before the one that lacks something, which is thus whole, and
+/// of a joint behind it. What is there of a frame is better than a gap.
+void StreamSource::look_for_gap(const AVPacket& packet) {
+  constexpr int kPacketsUntilJoint = 2;
+  const bool is_told = (packet.flags & AV_PKT_FLAG_CORRUPT) != 0;
+  if (gap_ && (is_told || ++gap_->packets == kPacketsUntilJoint)) take_gap();
+  if (is_told) gap_ = Gap{demuxer_.joints_before_video()};
+}
+
 void StreamSource::take_video(PacketPtr packet) {
-  if ((packet->flags & AV_PKT_FLAG_CORRUPT) != 0) {
+  if (demuxer_.numbers_packets()) {
+    look_for_gap(*packet);
+  } else if ((packet->flags & AV_PKT_FLAG_CORRUPT) != 0) {
     damage("cut short");
     return;
   }

@@ -38,8 +38,10 @@ class StreamSource : public Source {
   PacketPtr read_packet();
   void keep(PacketPtr packet);
   void pass_over(const AVPacket& packet);
+  void take_gap();
+  void look_for_gap(const AVPacket& packet);
   void take_video(PacketPtr packet);
-  void damage(const std::string& why);
+  void damage(const std::string& why, const std::string& told = "packets or frames are damaged and left out");
   void stamp(AVFrame& frame);
   bool is_whole() const;
   std::int64_t last_duration(const AVFrame& frame) const;
@@ -50,6 +52,12 @@ class StreamSource : public Source {
   std::string what_is_missing() const;
   void check_end();
 
+  /// Where packets of a transport stream are not numbered on.
+  struct Gap {
+    std::size_t joints;  ///< before it
+    int packets = 0;     ///< of the video since
+  };
+
   Demuxer demuxer_;
   bool strict_, chapters_;
   Complaints complaints_{0};  ///< of decoder_
@@ -58,6 +66,7 @@ class StreamSource : public Source {
   std::optional<FrameFilter> filter_;
   std::optional<FrameToImage> to_image_;
   FramePtr ahead_;
+  std::optional<Gap> gap_;  ///< that may be a joint
   std::vector<Packet> packets_;
   std::uint64_t decoded_ = 0, handed_out_ = 0;
   /// Frames before that time come from a seek: what they lack, because it lies before them, is no damage.

@@ -107,6 +107,27 @@ TEST(Damage, TransportStreamsCutInsideAPacketAreTold) {
   }
 }
 
+/// What libav tells of it is beside the frame before the one that lacks something.
+TEST(Damage, FramesWithAGapInATransportStreamAreShown) {
+  const TempDir dir;
+  WriteOptions options = with_codec("h264");
+  options.crf = 5;
+  write_clip(dir / "a.ts", moving_pattern(128, 96, 3, 25), options);
+  std::string bytes = read_text(dir / "a.ts");
+  constexpr std::size_t kPacket = 188;
+  std::size_t at = bytes.size() / 2 / kPacket * kPacket;
+  // One of the video, number 0x100, in which no frame begins.
+  while (bytes.at(at + 1) != 1 || bytes.at(at + 2) != 0) at += kPacket;
+  write_text(dir / "b.ts", bytes.erase(at, kPacket));
+  const WholeClip clip = read_clip(dir / "b.ts");
+  EXPECT_EQ(clip.frames.size(), 25u);
+  EXPECT_GE(clip.damaged, 1u);
+  EXPECT_FALSE(clip.warnings.empty());
+  ReadOptions strict;
+  strict.strict = true;
+  EXPECT_EQ(kind_of([&] { read_clip(dir / "b.ts", strict); }), ErrorKind::kInput);
+}
+
 TEST(Damage, IsCountedAndStrictlyAnError) {
   const TempDir dir;
   write_clip(dir / "a.mp4", moving_pattern(320, 240, 3, 20), with_codec("h264"));

@@ -38,6 +38,8 @@ TEST_P(Joints, SoundStaysWithThePictures) {
     EXPECT_NEAR(two.packets[i].seconds(), one.packets[i].seconds(), 1e-4) << i;
     EXPECT_NEAR(two.packets[one.packets.size() + i].seconds(), one.packets[i].seconds() + shift, 1e-4) << i;
   }
+  EXPECT_EQ(two.frames.size(), 2 * one.frames.size());
+  EXPECT_EQ(two.damaged, 0u);
   EXPECT_NEAR(seconds(two).back(), seconds(one).back() + shift, 1e-4);
   EXPECT_EQ(std::count_if(two.warnings.begin(), two.warnings.end(),
                           [](const std::string& line) { return line.starts_with("1 joints"); }),
