@@ -30,6 +30,7 @@ LoadedFilters load_filters() {
   library.find("avfilter_inout_alloc", f.inout_alloc);
   library.find("avfilter_inout_free", f.inout_free);
   library.find("av_buffersrc_add_frame", f.add_frame);
+  library.find("av_buffersrc_close", f.close_source);
   library.find("av_buffersink_get_frame", f.get_frame);
   library.find("av_buffersink_get_time_base", f.time_base);
   library.find("av_buffersink_get_frame_rate", f.frame_rate);

@@ -24,6 +24,7 @@ struct Avfilter {
   decltype(&avfilter_inout_alloc) inout_alloc = nullptr;
   decltype(&avfilter_inout_free) inout_free = nullptr;
   decltype(&av_buffersrc_add_frame) add_frame = nullptr;
+  decltype(&av_buffersrc_close) close_source = nullptr;
   decltype(&av_buffersink_get_frame) get_frame = nullptr;
   decltype(&av_buffersink_get_time_base) time_base = nullptr;
   decltype(&av_buffersink_get_frame_rate) frame_rate = nullptr;

@@ -94,6 +94,11 @@ void FilterGraph::send(FramePtr frame) {
   check(library_->add_frame(source_, frame.get()), listener);
 }
 
+void FilterGraph::close(std::int64_t end) {
+  const LogListener listener;
+  check(library_->close_source(source_, end, 0), listener);
+}
+
 FramePtr FilterGraph::receive() {
   FramePtr frame = new_frame();
   const LogListener listener;

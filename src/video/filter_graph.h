@@ -21,8 +21,11 @@ class FilterGraph {
   /// Whether a frame is of the size and format that the graph was made for.
   bool takes(const AVFrame& frame) const;
 
-  /// The next frame to be filtered; null: there are no more.
+  /// The next frame to be filtered.
   void send(FramePtr frame);
+
+  /// There are no more frames. @param end  of the last one, in ticks of what was sent.
+  void close(std::int64_t end);
 
   /// A filtered frame, its time in ticks of time_base(); null if more has to be sent first, or at the end.
   FramePtr receive();

@@ -76,12 +76,13 @@ void FrameFilter::set_up(const AVFrame& frame, const std::string& filters) {
 
 void FrameFilter::send(FramePtr frame) {
   if (!frame) {
-    drain();
+    drain(sent_end_);
     return;
   }
+  sent_end_ = end_of(*frame);
   const bool is_interlaced = frame->interlaced_frame != 0 && mode_ != Deinterlace::kNone;
   const bool lacks_deinterlacer = is_interlaced && !deinterlaces_ && !given_up_;
-  if (graph_ && (!graph_->takes(*frame) || lacks_deinterlacer)) drain();
+  if (graph_ && (!graph_->takes(*frame) || lacks_deinterlacer)) drain(frame->pts);
   const std::string filters = filters_for(*frame);
   if (graph_ || !filters.empty()) complete(*frame);
   if (!graph_ && !filters.empty()) {
@@ -96,10 +97,18 @@ void FrameFilter::send(FramePtr frame) {
   graph_->send(std::move(frame));
 }
 
-/// Takes what the graph still has, and leaves it.
-void FrameFilter::drain() {
+/// In ticks of what is sent.
+std::int64_t FrameFilter::end_of(const AVFrame& frame) const {
+  if (frame.pkt_duration > 0 && is_time(frame.pkt_duration)) return frame.pts + frame.pkt_duration;
+  if (sent_rate_.num <= 0) return frame.pts;
+  return frame.pts + av_rescale_q(1, av_inv_q(sent_rate_), sent_time_base_);
+}
+
+/// Takes what the graph still has, and leaves it. Filters that make a rate of their own show its last frame
+/// up to the end.
+void FrameFilter::drain(std::int64_t end) {
   if (!graph_) return;
-  graph_->send(nullptr);
+  graph_->close(end);
   while (FramePtr frame = from_graph()) ready_.push_back(std::move(frame));
   graph_.reset();
 }

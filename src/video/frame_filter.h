@@ -38,7 +38,8 @@ class FrameFilter {
   std::string filters_for(const AVFrame& frame) const;
   void complete(AVFrame& frame) const;
   void set_up(const AVFrame& frame, const std::string& filters);
-  void drain();
+  std::int64_t end_of(const AVFrame& frame) const;
+  void drain(std::int64_t end);
   FramePtr from_graph();
 
   Deinterlace mode_;
@@ -47,6 +48,7 @@ class FrameFilter {
   bool has_clock_ = false;                  ///< time_base_ and rate_ are those of a graph
   bool deinterlaces_ = false;               ///< graph_ does
   bool given_up_ = false;                   ///< on deinterlacing
+  std::int64_t sent_end_ = 0;               ///< of the last frame that was sent
   std::int64_t last_pts_ = AV_NOPTS_VALUE;  ///< that a filter gave
   Warnings& warnings_;
   std::optional<FilterGraph> graph_;

@@ -275,5 +275,16 @@ TEST(Filter, PicturesHaveNone) {
   EXPECT_EQ(kind_of([&] { read_clip(dir / "f_%d.png", filtered("hflip")); }), ErrorKind::kInvalidArgument);
 }
 
+/// As that of ffmpeg does.
+TEST(Filter, RatesGoOnToTheEndOfTheLastFrame) {
+  const TempDir dir;
+  write_clip(dir / "a.mkv", moving_pattern(64, 48, 3, 10), with_codec("ffv1"));
+  for (const auto& [rate, frames] : {std::pair(50, 20u), std::pair(75, 30u), std::pair(5, 2u)}) {
+    const WholeClip clip = read_clip(dir / "a.mkv", filtered("fps=" + std::to_string(rate)));
+    ASSERT_EQ(clip.frames.size(), frames) << rate;
+    EXPECT_NEAR(seconds(clip).back(), 0.4 - 1.0 / rate, 1e-9) << rate;
+  }
+}
+
 }  // namespace
 }  // namespace knotreel::video
