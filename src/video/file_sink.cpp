@@ -221,10 +221,12 @@ class FileSink : public Sink {
     const AVCodecID codec = encoder_.context().codec_id;
     Options options;
     if (is_quicktime(container_)) {
-      // Ticks as fine as the source's, also where the tracks begin.
-      const std::string ticks = std::to_string(encoder_.time_base().den);
-      options.set("video_track_timescale", ticks);
-      options.set("movie_timescale", ticks);
+      // Ticks as fine as the source's, also where the tracks begin; sound begins between ticks of a few.
+      constexpr int kFewTicks = 10000;
+      const int ticks = encoder_.time_base().den;
+      const int parts = ticks < kFewTicks ? (kFewTicks + ticks - 1) / ticks : 1;
+      options.set("video_track_timescale", std::to_string(ticks));
+      options.set("movie_timescale", std::to_string(ticks * parts));
       if (!io_.seekable()) options.set("movflags", "frag_keyframe+delay_moov+default_base_moof");
     }
     // Moving pictures go on for ever, as GIFs do by themselves.

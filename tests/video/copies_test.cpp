@@ -63,6 +63,22 @@ INSTANTIATE_TEST_SUITE_P(
                     Copy{"a.mp4", "libopus", "b.mkv", 0.0011}, Copy{"a.mkv", "libopus", "b.webm", 0.0011},
                     Copy{"a.mkv", "libopus", "b.mp4", 0.0011}));
 
+/// Where sound begins has nothing to do with frames.
+TEST(Copies, BeginWhereTheyDidBesideFramesOfACoarseClock) {
+  const TempDir dir;
+  write_sound_clip(dir / "a.mp4", "aac", true);
+  ReadOptions options;
+  options.filter = "fps=10";
+  options.part.first = 3;
+  copy_clip(dir / "a.mp4", dir / "b.mp4", options);
+  const WholeClip source = read_clip(dir / "a.mp4", options), copy = read_clip(dir / "b.mp4");
+  ASSERT_FALSE(source.packets.empty());
+  ASSERT_EQ(copy.packets.size(), source.packets.size());
+  EXPECT_EQ(copy.info.time_base.den, 10);
+  const double delay = source.packets[0].seconds() - seconds(source).at(0);
+  EXPECT_NEAR(copy.packets[0].seconds() - seconds(copy).at(0), delay, 1e-4);
+}
+
 TEST(Copies, WhatTheContainerDoesNotTakeIsLeftOutAndTold) {
   const TempDir dir;
   write_sound_clip(dir / "a.mp4", "aac", true);
