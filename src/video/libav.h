@@ -8,6 +8,7 @@ extern "C" {
 #include <libavutil/cpu.h>
 #include <libavutil/display.h>
 #include <libavutil/frame.h>
+#include <libavutil/parseutils.h>
 #include <libavutil/pixdesc.h>
 }
 

@@ -87,12 +87,15 @@ bool is_of_ticks(AVRational rate, AVRational time_base) {
 /// Time base and rate, which depend on each other where a source has no times.
 void describe_times(StreamInfo& info, AVFormatContext& format, AVStream& stream,
                     const AVCodecContext& decoder, const ReadOptions& options) {
-  const bool told = options.demuxer_options.contains("framerate");
+  AVRational told{0, 1};
+  if (const auto option = options.demuxer_options.find("framerate"); option != options.demuxer_options.end())
+    av_parse_video_rate(&told, option->second.c_str());
   AVRational rate = av_guess_frame_rate(&format, &stream, nullptr);
   if (is_of_ticks(rate, stream.time_base)) rate = stream.avg_frame_rate;
   info.frame_rate = is_of_ticks(rate, stream.time_base) ? Rational{} : from_av(rate);
-  if (!info.timestamps && !told && decoder.framerate.num > 0) info.frame_rate = from_av(decoder.framerate);
-  if (reads_pictures(*format.iformat) && !told) info.frame_rate = options.image_rate;
+  if (!info.timestamps && decoder.framerate.num > 0) info.frame_rate = from_av(decoder.framerate);
+  if (reads_pictures(*format.iformat)) info.frame_rate = options.image_rate;
+  if (!info.timestamps && told.num > 0) info.frame_rate = from_av(told);
   info.time_base = from_av(stream.time_base);
   if (!info.timestamps) {
     if (!info.frame_rate.known()) info.frame_rate = {25, 1};

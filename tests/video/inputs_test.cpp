@@ -135,6 +135,18 @@ TEST(Inputs, SizesMayChangeInMidStream) {
   EXPECT_EQ(clip.warnings[0].substr(0, 2), "4 ");
 }
 
+/// libav goes by what H.264 tells of itself.
+TEST(Inputs, RawStreamsHaveTheRateThatIsAskedFor) {
+  const TempDir dir;
+  write_clip(dir / "a.h264", moving_pattern(64, 48, 3, 4));
+  EXPECT_EQ(read_clip(dir / "a.h264").info.frame_rate, (Rational{25, 1}));
+  ReadOptions options;
+  options.demuxer_options = {{"framerate", "30000/1001"}};
+  const WholeClip clip = read_clip(dir / "a.h264", options);
+  EXPECT_EQ(clip.info.frame_rate, (Rational{30000, 1001}));
+  EXPECT_NEAR(seconds(clip).at(3), 3 * 1001 / 30000.0, 1e-9);
+}
+
 TEST(Inputs, RawPicturesNeedTheirSize) {
   const TempDir dir;
   const ClipSpec source = moving_pattern(16, 8, 3, 4);
