@@ -151,6 +151,12 @@ void drop_stale(AVDictionary** metadata) {
   for (const std::string& key : statistics) av_dict_set(metadata, key.c_str(), nullptr, 0);
 }
 
+/// In mp4 a text of no letters stands where none is shown; its muxer puts these there, beside any copied
+/// ones.
+bool is_pause(const AVPacket& packet, const AVStream& stream) {
+  return stream.codecpar->codec_id == AV_CODEC_ID_MOV_TEXT && packet.size == 2;
+}
+
 /// What has to be added to the times of a stream, in ticks of it, for readers to find these. Matroska has
 /// those of Opus with the samples that decoders leave out at the start; libav takes them off when it reads,
 /// but does not add them when it writes.
@@ -187,6 +193,7 @@ PacketPtr CopiedStreams::prepare(const Packet& packet, std::int64_t start, AVRat
   if (copied == nullptr) return {};
   const auto found = targets_.find(copied->packet->stream_index);
   if (found == targets_.end()) return {};
+  if (is_pause(*copied->packet, *output.streams[found->second.stream])) return {};
   PacketPtr result = moved_packet(*copied, start, unit);
   Target& target = found->second;
   if (result->dts == AV_NOPTS_VALUE) result->dts = result->pts;

@@ -159,10 +159,10 @@ void send_waves(AVFormatContext& output, Track& track, int seconds) {
   send(output, track, nullptr);
 }
 
-int add_texts(AVFormatContext& output) {
+int add_texts(AVFormatContext& output, AVCodecID codec) {
   AVStream* stream = allocated(avformat_new_stream(&output, nullptr));
   stream->codecpar->codec_type = AVMEDIA_TYPE_SUBTITLE;
-  stream->codecpar->codec_id = AV_CODEC_ID_SUBRIP;
+  stream->codecpar->codec_id = codec;
   stream->time_base = {1, 1000};
   av_dict_set(&stream->metadata, "language", "ger", 0);
   // As mkvmerge tells them.
@@ -185,7 +185,10 @@ void add_font(AVFormatContext& output) {
 
 void send_texts(AVFormatContext& output, int index) {
   for (int i = 0; i < 3; ++i) {
-    const std::string text = "Zeile " + std::to_string(i);
+    std::string text = "Zeile " + std::to_string(i);
+    // Texts of mp4 begin with their length.
+    if (output.streams[index]->codecpar->codec_id == AV_CODEC_ID_MOV_TEXT)
+      text = std::string{0, char(text.size())} + text;
     const PacketPtr packet = new_packet();
     checked(av_new_packet(packet.get(), int(text.size())));
     std::memcpy(packet->data, text.data(), text.size());
@@ -246,11 +249,21 @@ void write_open_gop_clip(const std::string& path, int seconds) {
   end(output);
 }
 
+void write_clip_with_mp4_texts(const std::string& path) {
+  AVFormatContext* output = new_clip(path);
+  Track picture = add_video(*output);
+  const int texts = add_texts(*output, AV_CODEC_ID_MOV_TEXT);
+  begin(*output, path);
+  send_texts(*output, texts);
+  send_video(*output, picture, 1);
+  end(output);
+}
+
 void write_titled_clip(const std::string& path) {
   AVFormatContext* output = new_clip(path);
   Track picture = add_video(*output);
   Track sound = add_sound(*output, "aac");
-  const int texts = add_texts(*output);
+  const int texts = add_texts(*output, AV_CODEC_ID_SUBRIP);
   add_font(*output);
   begin(*output, path);
   send_sound(*output, sound, 1);

@@ -17,6 +17,9 @@ void write_clip_with_two_sounds(const std::string& path);
 /// before it ("open GOP"): waves that move, 128x96, 25 frames per second, a keyframe in each second.
 void write_open_gop_clip(const std::string& path, int seconds);
 
+/// Writes a second of video with three texts as mp4 has them, nothing between them.
+void write_clip_with_mp4_texts(const std::string& path);
+
 /// Writes a second of video with sound as AAC, three texts as SubRip in German, and a font. Matroska only.
 void write_titled_clip(const std::string& path);
 

@@ -142,6 +142,19 @@ TEST(Copies, TextsAndFontsGoAlong) {
     EXPECT_EQ(test::read_text(dir / "b.mkv").find(stale), std::string::npos) << stale;
 }
 
+TEST(Copies, PausesBetweenTextsOfMp4StayAsManyAsTheyAre) {
+  const TempDir dir;
+  write_clip_with_mp4_texts(dir / "a.mp4");
+  EXPECT_TRUE(copy_clip(dir / "a.mp4", dir / "b.mp4").empty());
+  const WholeClip source = read_clip(dir / "a.mp4"), copy = read_clip(dir / "b.mp4");
+  ASSERT_GE(source.packets.size(), 5u);
+  ASSERT_EQ(copy.packets.size(), source.packets.size());
+  for (std::size_t i = 0; i < copy.packets.size(); ++i) {
+    EXPECT_TRUE(same_bytes(copy.packets[i], source.packets[i])) << i;
+    EXPECT_NEAR(copy.packets[i].seconds(), source.packets[i].seconds(), 1e-3) << i;
+  }
+}
+
 TEST(Copies, WhatTransportStreamsHaveNoTypeForIsLeftOut) {
   const TempDir dir;
   write_titled_clip(dir / "a.mkv");
