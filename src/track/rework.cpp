@@ -148,7 +148,7 @@ void Rework::refill(const ReworkInput& input, std::span<const float> errors, boo
   refine.min_distance = options_.carry.min_distance;
   std::vector<KnotIndex> fresh =
       knots::refine_knots(mesh, errors, frame.seen.placed->places(), width, height, refine);
-  if (input.is_drawn && swap.longest_edge > 0) {
+  if (swap.longest_edge > 0) {
     const double room = static_cast<double>(input.most_functions) - functions;
     log.changes.inserted += knots::split_long_edges(
         mesh, swap.longest_edge, static_cast<std::size_t>(std::max(0.0, kShareOfLong * room / per_knot)));

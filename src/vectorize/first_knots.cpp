@@ -35,7 +35,7 @@ void insert_first_knots(const knots::Target& target, std::size_t max_functions, 
                         mesh::EditableMesh& mesh) {
   const double share = options.rounds > 1 ? options.first_share : 1.0;
   const knots::PlaceOptions first = first_knots(mesh, share * static_cast<double>(max_functions), options);
-  if (options.longest_edge > 0) {
+  if (options.longest_edge > 0 && !mesh.segments().empty()) {
     const auto room = static_cast<double>(first.max_knots - mesh.knot_count());
     knots::split_long_edges(mesh, options.longest_edge, static_cast<std::size_t>(kShareOfLong * room));
   }

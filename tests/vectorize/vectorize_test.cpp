@@ -241,6 +241,37 @@ TEST(Vectorize, NothingIsLeftOutWhereTheRestIsEasy) {
       << "the first ones count, too";
 }
 
+/// Small things in rows on flat ground, as lines of text are: without knots in between, faces reach from one
+/// row to the next, and what they miss beside a thing is seen all the way.
+TEST(Vectorize, DrawingsHaveNoLongEdges) {
+  const image::Image picture = draw(260, 200, 3, [](double x, double y) -> Colour {
+    const double row = std::fmod(y, 100);
+    const double column = std::fmod(x, 13);
+    if (row > 20 && row < 29 && std::hypot(column - 6, 1.2 * (row - 24.5)) < 4.5) return {40, 50, 70, 255};
+    return {200 + 0.1 * y, 210 + 0.1 * y, 230, 255};
+  });
+  ASSERT_TRUE(features::is_drawing(picture));
+  const auto made = [&](double longest) {
+    Options options;
+    options.longest_edge = longest;
+    return vectorize_picture(picture, options);
+  };
+  const Vectorization without = made(0);
+  const Vectorization with = made(64);
+  EXPECT_GT(psnr(picture, with.model), psnr(picture, without.model) + 1);
+  EXPECT_LT(double(with.model.space->function_count()), 1.05 * double(without.model.space->function_count()));
+}
+
+TEST(Vectorize, PhotographsMayHaveLongEdges) {
+  image::Image picture = still_life(96, 72);
+  std::mt19937 random(17);
+  for (float& sample : picture.samples) sample += static_cast<float>(random() % 9);
+  ASSERT_FALSE(features::is_drawing(picture));
+  Options options;
+  options.longest_edge = 0;
+  EXPECT_EQ(vectorize_picture(picture, options).model.colour, vectorize_picture(picture).model.colour);
+}
+
 TEST(Vectorize, OnceTheMeanIsMetKnotsGoToWhatIsLeftOutOnly) {
   const image::Image picture = soft_spot(1.5);
   Options options;
@@ -725,6 +756,8 @@ TEST(VideoOptions, DrawnFramesHaveWhatPicturesHaveButForNoiseAndWeakFeatures) {
   EXPECT_TRUE(drawn.corner_detection);
   EXPECT_TRUE(drawn.clear_curves);
   EXPECT_FALSE(drawn.clear_inside);
+  EXPECT_EQ(drawn.longest_edge, picture.longest_edge);
+  EXPECT_EQ(video_options(picture).longest_edge, 0) << "of film";
   EXPECT_EQ(drawn.mixed_weight, picture.mixed_weight);
   EXPECT_EQ(drawn.feature_share, picture.feature_share);
   EXPECT_FALSE(drawn.room_for_features);

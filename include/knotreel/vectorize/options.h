@@ -50,8 +50,9 @@ struct Options {
   /// Share of these that the first round may use, above 0, up to 1, if there are others: what is left, and
   /// what is idle, goes where that fit was worst.
   double first_share = 0.8;
-  /// For drawings (features::is_drawing()): longer edges of the mesh are split before anything else asks for
-  /// knots (docs/decisions/0055), with up to a quarter of those that the bound leaves. Pixels, >= 0; 0: none.
+  /// For drawings (features::is_drawing()) with features: longer edges of the mesh are split before anything
+  /// else asks for knots (docs/decisions/0055), with up to a quarter of those that the bound leaves. Pixels,
+  /// >= 0; 0: none.
   double longest_edge = 64;
   std::uint64_t seed = 1;  ///< kept in reports; the method draws no random numbers
 
