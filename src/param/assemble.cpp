@@ -85,15 +85,25 @@ void assemble_polylines(Curves& curves, Parametrization& result) {
   }
 }
 
-void assemble_layouts(const Curves& curves, const Framed<Quad>& field, Parametrization& result) {
+void put_layouts_at_rest(const Curves& curves, Parametrization& result) {
   const auto width = static_cast<std::size_t>(curves.width);
   result.width = curves.width;
   result.height = curves.height;
   result.position.resize(width * static_cast<std::size_t>(curves.height));
-  result.parameter.resize(result.position.size());
+  parallel_for(static_cast<std::size_t>(curves.height), [&](std::size_t y) {
+    for (std::size_t x = 0; x < width; ++x)
+      result.position[y * width + x] = {static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5};
+  });
+  result.parameter = result.position;
+}
+
+void assemble_layouts(const Curves& curves, const Framed<Quad>& field, const Tiles& tiles,
+                      Parametrization& result) {
+  const auto width = static_cast<std::size_t>(curves.width);
   parallel_for(static_cast<std::size_t>(curves.height), [&](std::size_t y) {
     const Quad* row = field.row(static_cast<int>(y));
     for (std::size_t x = 0; x < width; ++x) {
+      if (!tiles.has_cell(static_cast<int>(x), static_cast<int>(y))) continue;
       const Vec2 centre{static_cast<double>(x) + 0.5, static_cast<double>(y) + 0.5};
       const std::size_t pixel = y * width + x;
       if (const SiteIndex s = curves.at_pixel[pixel]; s != kNone) {

@@ -77,11 +77,14 @@ std::vector<SiteIndex> sites_near(const Curves& curves, const std::vector<Fold>&
 
 }  // namespace
 
-std::vector<Fold> find_folds(const FramedMesh& mesh, const Parametrization& parametrization) {
+std::vector<Fold> find_folds(const FramedMesh& mesh, const Parametrization& parametrization,
+                             const Tiles& tiles) {
   std::vector<std::vector<Fold>> of_row(static_cast<std::size_t>(mesh.height()) + 1);
   parallel_for(of_row.size(), [&](std::size_t row) {
     const int y = static_cast<int>(row) - 1;
+    const bool on_border = y < 0 || y + 1 == mesh.height();
     for (int x = -1; x < mesh.width(); ++x) {
+      if (!on_border && x >= 0 && x + 1 < mesh.width() && !tiles.has_cell(x, y)) continue;
       for (const FramedMesh::Triangle& t : mesh.triangles(x, y)) {
         if (is_folded(mesh, parametrization.position, t)) of_row[row].push_back({x, y, false});
         if (is_folded(mesh, parametrization.parameter, t)) of_row[row].push_back({x, y, true});

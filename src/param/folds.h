@@ -5,6 +5,7 @@
 
 #include "param/curves.h"
 #include "param/framed_mesh.h"
+#include "param/tiles.h"
 
 namespace knotreel::param {
 
@@ -17,7 +18,9 @@ struct Fold {
 
 /// Folds of both layouts, by rows. Triangles of three feature pixels may be flat, since all three may lie on
 /// one straight segment.
-std::vector<Fold> find_folds(const FramedMesh& mesh, const Parametrization& parametrization);
+/// @param tiles of pixels: squares that begin in others are not looked at, but at the border all are.
+std::vector<Fold> find_folds(const FramedMesh& mesh, const Parametrization& parametrization,
+                             const Tiles& tiles);
 
 /// Changes the curves near folds so that the next solution has fewer: first by splitting segments (parameter)
 /// or relaxing the fairing (position), after kGentleRounds rounds by falling back to the chain of pixel

@@ -2,6 +2,7 @@
 #include "param/multigrid.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstddef>
 
 #include "knotreel/base/parallel.h"
@@ -16,24 +17,30 @@ constexpr int kCoarsestSweeps = 8;
 constexpr int kSweepsDown = 1;
 constexpr int kSweepsUp = 2;
 constexpr int kMostCycles = 60;
-constexpr int kRowsPerTask = 16;
+/// Times the decay: farther from what is given anew hardly anything changes. Where it does, it is noticed.
+constexpr double kReach = 4;
+/// Of the tolerance: tiles that change by less, with their neighbours, are left alone.
+constexpr float kSettled = 0.25F;
 
-/// Largest of body(y) over the rows of a grid; neighbouring rows are on one thread.
+/// Calls body(y, begin, end, tile) for the rows of cells of all tiles; each row of tiles is on one thread.
 template <typename Body>
-float for_rows(int height, const Body& body) {
-  const auto tasks = static_cast<std::size_t>((height + kRowsPerTask - 1) / kRowsPerTask);
-  std::vector<float> most(tasks, 0.0F);
+void for_rows(const Tiles& tiles, int width, int height, const Body& body) {
   const auto task = [&](std::size_t i) {
-    const int first = static_cast<int>(i) * kRowsPerTask;
-    const int end = std::min(height, first + kRowsPerTask);
-    for (int y = first; y < end; ++y) most[i] = std::max(most[i], body(y));
+    const int row = static_cast<int>(i);
+    const int end = std::min(height, (row + 1) * Tiles::kSide);
+    for (int y = row * Tiles::kSide; y < end; ++y) {
+      for (int column = 0; column < tiles.columns(); ++column) {
+        if (!tiles.has(column, row)) continue;
+        const int x = column * Tiles::kSide;
+        body(y, x, std::min(width, x + Tiles::kSide), tiles.index(column, row));
+      }
+    }
   };
-  if (tasks == 1) {
+  if (tiles.rows() == 1) {
     task(0);
   } else {
-    parallel_for(tasks, task);
+    parallel_for(static_cast<std::size_t>(tiles.rows()), task);
   }
-  return *std::max_element(most.begin(), most.end());
 }
 
 Quad larger(Quad most, Quad change) {
@@ -43,13 +50,13 @@ Quad larger(Quad most, Quad change) {
 
 /// Half a Gauss-Seidel sweep along a row of the finest level: the pixels of one colour of the checkerboard.
 /// @return largest change.
-float relax_row(Framed<Quad>& field, const Framed<float>& inverse, int width, int y, int colour) {
+float relax_row(Framed<Quad>& field, const Framed<float>& inverse, int y, int begin, int end, int colour) {
   Quad* u = field.row(y);
   const Quad* above = field.row(y - 1);
   const Quad* below = field.row(y + 1);
   const float* inv = inverse.row(y);
   Quad most{};
-  for (int x = (y + colour) & 1; x < width; x += 2) {
+  for (int x = begin + ((begin + y + colour) & 1); x < end; x += 2) {
     if (inv[x] == 0) continue;
     const Quad next = ((u[x - 1] + u[x + 1]) + (above[x] + below[x])) * inv[x];
     most = larger(most, next - u[x]);
@@ -69,10 +76,12 @@ Quad neighbours(const Framed<Quad>& value, const Framed<float>& right, const Fra
 
 }  // namespace
 
-ScreenedTutte::ScreenedTutte(int width, int height, const std::vector<std::uint8_t>& fixed, double decay) {
+ScreenedTutte::ScreenedTutte(int width, int height, const std::vector<std::uint8_t>& fixed, double decay)
+    : reach_(static_cast<int>(std::ceil(kReach * decay / Tiles::kSide))) {
   Level finest;
   finest.width = width;
   finest.height = height;
+  finest.active = Tiles(width, height);
   finest.inverse = Framed<float>(width, height);
   finest.ground = Framed<float>(width, height);
   finest.right = Framed<float>(width, height);
@@ -113,6 +122,7 @@ ScreenedTutte::Level ScreenedTutte::coarsen(const Level& fine) {
   Level level;
   level.width = (fine.width + 1) / 2;
   level.height = (fine.height + 1) / 2;
+  level.active = Tiles(level.width, level.height);
   level.inverse = Framed<float>(level.width, level.height);
   level.ground = Framed<float>(level.width, level.height);
   level.right = Framed<float>(level.width, level.height);
@@ -144,23 +154,36 @@ void ScreenedTutte::set_inverse(Level& level) {
   }
 }
 
-float ScreenedTutte::relax(Framed<Quad>& field, std::size_t index, int sweeps) {
+/// Coarse cells elsewhere are zero: corrections end there.
+void ScreenedTutte::activate(Tiles tiles) {
+  for (std::size_t l = 0; l < levels_.size(); ++l) {
+    Level& level = levels_[l];
+    if (l > 0) {
+      tiles = tiles.halved(level.width, level.height);
+      for_rows(level.active, level.width, level.height, [&](int y, int begin, int end, std::size_t) {
+        std::fill(level.value.row(y) + begin, level.value.row(y) + end, Quad{});
+      });
+    }
+    level.active = tiles;
+  }
+}
+
+void ScreenedTutte::relax(Framed<Quad>& field, std::size_t index, int sweeps) {
   Level& level = levels_[index];
-  float change = 0;
   for (int half = 0; half < 2 * sweeps; ++half) {
-    const float most = for_rows(level.height, [&](int y) {
-      if (index == 0) return relax_row(field, level.inverse, level.width, y, half & 1);
+    for_rows(level.active, level.width, level.height, [&](int y, int begin, int end, std::size_t tile) {
+      if (index == 0) {
+        changes_[tile] = std::max(changes_[tile], relax_row(field, level.inverse, y, begin, end, half & 1));
+        return;
+      }
       Quad* u = level.value.row(y);
       const float* inv = level.inverse.row(y);
       const Quad* b = level.rhs.row(y);
-      for (int x = (y + half) & 1; x < level.width; x += 2) {
+      for (int x = begin + ((begin + y + half) & 1); x < end; x += 2) {
         u[x] = (b[x] + neighbours(level.value, level.right, level.down, x, y)) * inv[x];
       }
-      return 0.0F;
     });
-    change = std::max(change, most);
   }
-  return change;
 }
 
 /// Residual of a level, summed over the cells of the next one.
@@ -177,30 +200,29 @@ void ScreenedTutte::restrict_residual(const Framed<Quad>& field, std::size_t ind
     const Quad* u = field.row(y);
     return ((u[x - 1] + u[x + 1]) + (field.at(x, y - 1) + field.at(x, y + 1))) - u[x] / inv;
   };
-  for_rows(coarse.height, [&](int y) {
+  for_rows(coarse.active, coarse.width, coarse.height, [&](int y, int begin, int end, std::size_t) {
     Quad* b = coarse.rhs.row(y);
     Quad* e = coarse.value.row(y);
     // After a sweep the cells of the second colour have no residual left: only the first one is summed.
-    for (int x = 0; x < coarse.width; ++x) {
+    for (int x = begin; x < end; ++x) {
       b[x] = residual(2 * x, 2 * y) + residual(2 * x + 1, 2 * y + 1);
       e[x] = Quad{};
     }
-    return 0.0F;
   });
 }
 
 /// Adds the correction of the next level, bilinearly between the centres of its cells.
-float ScreenedTutte::prolong(Framed<Quad>& field, std::size_t index) {
+void ScreenedTutte::prolong(Framed<Quad>& field, std::size_t index) {
   Level& fine = levels_[index];
   const Level& coarse = levels_[index + 1];
   Framed<Quad>& target = index == 0 ? field : fine.value;
-  return for_rows(fine.height, [&](int y) {
+  for_rows(fine.active, fine.width, fine.height, [&](int y, int begin, int end, std::size_t tile) {
     const Quad* near = coarse.value.row(y / 2);
     const Quad* far = coarse.value.row(y / 2 + ((y & 1) != 0 ? 1 : -1));
     const float* inv = fine.inverse.row(y);
     Quad* u = target.row(y);
     Quad most{};
-    for (int x = 0; x < fine.width; ++x) {
+    for (int x = begin; x < end; ++x) {
       if (inv[x] == 0) continue;
       const int c = x / 2;
       const int d = c + ((x & 1) != 0 ? 1 : -1);
@@ -208,27 +230,47 @@ float ScreenedTutte::prolong(Framed<Quad>& field, std::size_t index) {
       most = larger(most, e);
       u[x] += e;
     }
-    return largest(most);
+    if (index == 0) changes_[tile] = std::max(changes_[tile], largest(most));
   });
 }
 
-int ScreenedTutte::solve(Framed<Quad>& field, double tolerance) {
+void ScreenedTutte::cycle(Framed<Quad>& field) {
+  const std::size_t coarsest = levels_.size() - 1;
+  for (std::size_t l = 0; l < coarsest; ++l) {
+    relax(field, l, kSweepsDown);
+    restrict_residual(field, l);
+  }
+  relax(field, coarsest, kCoarsestSweeps);
+  for (std::size_t l = coarsest; l-- > 0;) {
+    prolong(field, l);
+    relax(field, l, kSweepsUp);
+  }
+}
+
+int ScreenedTutte::solve(Framed<Quad>& field, double tolerance, std::span<const std::int32_t> changed) {
+  const Tiles none(levels_.front().width, levels_.front().height);
+  Tiles tiles = none;
+  for (const std::int32_t pixel : changed)
+    tiles.add_cell(pixel % levels_.front().width, pixel / levels_.front().width);
+  tiles = tiles.grown(reach_);
+  if (reach_ == 0) tiles.add_all();
+  touched_ = tiles;
   int cycles = 0;
-  while (cycles < kMostCycles) {
-    float change = 0;
-    const std::size_t coarsest = levels_.size() - 1;
-    for (std::size_t l = 0; l < coarsest; ++l) {
-      change = std::max(change, relax(field, l, kSweepsDown));
-      restrict_residual(field, l);
-    }
-    change = std::max(change, relax(field, coarsest, kCoarsestSweeps));
-    for (std::size_t l = coarsest; l-- > 0;) {
-      const float correction = prolong(field, l);
-      const float sweep = relax(field, l, kSweepsUp);
-      if (l == 0) change = std::max({change, correction, sweep});
-    }
+  while (cycles < kMostCycles && tiles.any()) {
+    activate(tiles);
+    changes_.assign(none.count(), 0.0F);
+    cycle(field);
     ++cycles;
-    if (!(change > tolerance)) break;
+    if (!(*std::max_element(changes_.begin(), changes_.end()) > tolerance)) break;
+    if (reach_ == 0) continue;
+    tiles = none;
+    for (int y = 0; y < none.rows(); ++y) {
+      for (int x = 0; x < none.columns(); ++x) {
+        if (changes_[none.index(x, y)] > kSettled * tolerance) tiles.add(x, y);
+      }
+    }
+    tiles = tiles.grown(1);
+    touched_.add(tiles);
   }
   return cycles;
 }

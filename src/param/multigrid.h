@@ -3,9 +3,11 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 #include "param/quad.h"
+#include "param/tiles.h"
 
 namespace knotreel::param {
 
@@ -15,7 +17,8 @@ namespace knotreel::param {
 ///     sum_n weight_n (d_v - d_n) + d_v / decay^2 = 0
 ///
 /// A neighbour beyond the border stands for the border itself: d = 0 at half the distance, so twice the
-/// weight. All other weights are 1. Solved by geometric multigrid with cell aggregates.
+/// weight. All other weights are 1. Solved by geometric multigrid with cell aggregates, in the tiles of the
+/// grid in which something still changes (docs/decisions/0056).
 class ScreenedTutte {
  public:
   /// @param fixed  per pixel, row by row: nonzero where the displacement is given.
@@ -24,13 +27,19 @@ class ScreenedTutte {
 
   /// Improves the free pixels of a field until a cycle changes no displacement by more than `tolerance`; what
   /// is left is then a fraction of that. The same bits for any number of threads.
+  /// @param changed  pixels whose given displacements are others than when the field was solved last; where a
+  /// new field is not zero, all that are given.
   /// @return how many cycles that took.
-  int solve(Framed<Quad>& field, double tolerance);
+  int solve(Framed<Quad>& field, double tolerance, std::span<const std::int32_t> changed);
+
+  /// Outside of these the last solve() has changed nothing.
+  const Tiles& touched() const { return touched_; }
 
  private:
   struct Level {
     int width = 0;
     int height = 0;
+    Tiles active;
     Framed<float> inverse;  ///< of the diagonal; 0 where fixed
     Framed<float> ground;   ///< part of the diagonal that ties to zero or to fixed pixels
     Framed<float> right;    ///< weight of the edge to the next column
@@ -41,12 +50,17 @@ class ScreenedTutte {
 
   static Level coarsen(const Level& fine);
   static void set_inverse(Level& level);
-  /// `field` is the value of level 0. Changes are reported for that level only.
-  float relax(Framed<Quad>& field, std::size_t index, int sweeps);
+  void activate(Tiles tiles);
+  void cycle(Framed<Quad>& field);
+  /// `field` is the value of level 0. Changes are noted for that level only.
+  void relax(Framed<Quad>& field, std::size_t index, int sweeps);
   void restrict_residual(const Framed<Quad>& field, std::size_t index);
-  float prolong(Framed<Quad>& field, std::size_t index);
+  void prolong(Framed<Quad>& field, std::size_t index);
 
+  int reach_;  ///< of what is given, mostly: tiles; 0: over the whole picture
   std::vector<Level> levels_;
+  Tiles touched_;
+  std::vector<float> changes_;  ///< by tile of level 0: the largest one of a cycle
 };
 
 }  // namespace knotreel::param

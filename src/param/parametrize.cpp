@@ -3,6 +3,8 @@
 #include <cmath>
 #include <optional>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "knotreel/base/error.h"
 #include "knotreel/param/parametrization.h"
@@ -12,6 +14,7 @@
 #include "param/framed_mesh.h"
 #include "param/multigrid.h"
 #include "param/simplify.h"
+#include "param/tiles.h"
 #include "param/uncross.h"
 
 namespace knotreel::param {
@@ -57,18 +60,23 @@ class Parametrizer {
  public:
   Parametrizer(const features::FeatureChains& chains, const features::ImageMesh& mesh,
                const ParametrizeOptions& options)
-      : mesh_(mesh), options_(options), curves_(make_curves(chains)), field_(chains.width, chains.height) {}
+      : mesh_(mesh), options_(options), curves_(make_curves(chains)), field_(chains.width, chains.height) {
+    make_all_anew();
+  }
 
   Parametrization run() {
+    Tiles tiles(curves_.width, curves_.height);  // that may have folds
     for (int round = 0; round < kMostRounds; ++round) {
       place_curves();
-      solve();
-      const std::vector<Fold> folds = find_folds(FramedMesh(mesh_, result_), result_);
+      tiles.add(solve());
+      const std::vector<Fold> folds = find_folds(FramedMesh(mesh_, result_), result_, tiles);
       if (round == 0) report_.folds_found = static_cast<int>(folds.size());
       report_.folds_left = static_cast<int>(folds.size());
       report_.rounds = round + 1;
       if (folds.empty()) break;
       repair_folds(curves_, folds, round);
+      tiles = Tiles(curves_.width, curves_.height);
+      for (const Fold& f : folds) tiles.add_cell(std::max(f.x, 0), std::max(f.y, 0));
     }
     report_.relaxed_points = static_cast<int>(std::count_if(curves_.sites.begin(), curves_.sites.end(),
                                                             [](const Site& s) { return s.fairing < 1; }));
@@ -78,37 +86,46 @@ class Parametrizer {
   const ParametrizeReport& report() const { return report_; }
 
  private:
-  void set(int x, int y, Vec2 position, Vec2 parameter) {
+  /// @return whether they were others.
+  bool set(int x, int y, Vec2 position, Vec2 parameter) {
     const Vec2 centre{x + 0.5, y + 0.5};
     const Vec2 f = position - centre;
     const Vec2 d = parameter - centre;
-    field_.at(x, y) = Quad{static_cast<float>(f.x), static_cast<float>(f.y), static_cast<float>(d.x),
-                           static_cast<float>(d.y)};
+    const Quad now{static_cast<float>(f.x), static_cast<float>(f.y), static_cast<float>(d.x),
+                   static_cast<float>(d.y)};
+    const Quad before = std::exchange(field_.at(x, y), now);
+    return largest(now - before) != 0;
   }
 
   void place_curves() {
     const int dropped = place(curves_, options_, result_);
     report_.dropped_chains += dropped;
-    if (dropped > 0) solver_.reset();
+    if (dropped > 0) make_all_anew();
   }
 
-  void solve() {
-    if (result_.polylines.empty()) {
-      field_ = Framed<Quad>(curves_.width, curves_.height);
-    } else {
-      if (!solver_) {
-        std::vector<std::uint8_t> fixed(curves_.at_pixel.size());
-        std::transform(curves_.at_pixel.begin(), curves_.at_pixel.end(), fixed.begin(),
-                       [](SiteIndex s) { return static_cast<std::uint8_t>(s != kNone); });
-        solver_.emplace(curves_.width, curves_.height, fixed, options_.decay);
-      }
-      for (const Site& s : curves_.sites) {
-        if (s.pixel == kNoPixel || curves_.at_pixel[static_cast<std::size_t>(s.pixel)] == kNone) continue;
-        set(curves_.x_of(s), curves_.y_of(s), s.position, s.parameter);
-      }
-      report_.cycles += solver_->solve(field_, options_.tolerance);
+  void make_all_anew() {
+    solver_.reset();
+    field_ = Framed<Quad>(curves_.width, curves_.height);
+    put_layouts_at_rest(curves_, result_);
+  }
+
+  /// @return the tiles in which squares of pixels may have changed.
+  Tiles solve() {
+    if (result_.polylines.empty()) return {curves_.width, curves_.height};
+    if (!solver_) {
+      std::vector<std::uint8_t> fixed(curves_.at_pixel.size());
+      std::transform(curves_.at_pixel.begin(), curves_.at_pixel.end(), fixed.begin(),
+                     [](SiteIndex s) { return static_cast<std::uint8_t>(s != kNone); });
+      solver_.emplace(curves_.width, curves_.height, fixed, options_.decay);
     }
-    assemble_layouts(curves_, field_, result_);
+    std::vector<std::int32_t> changed;
+    for (const Site& s : curves_.sites) {
+      if (s.pixel == kNoPixel || curves_.at_pixel[static_cast<std::size_t>(s.pixel)] == kNone) continue;
+      if (set(curves_.x_of(s), curves_.y_of(s), s.position, s.parameter)) changed.push_back(s.pixel);
+    }
+    report_.cycles += solver_->solve(field_, options_.tolerance, changed);
+    assemble_layouts(curves_, field_, solver_->touched(), result_);
+    return solver_->touched().grown(1);  // squares reach over to the next tile
   }
 
   const features::ImageMesh& mesh_;

@@ -101,9 +101,17 @@ Problem random_problem(int width, int height, double share, unsigned seed, doubl
   return p;
 }
 
+std::vector<std::int32_t> given_pixels(const Problem& p) {
+  std::vector<std::int32_t> pixels;
+  for (std::size_t i = 0; i < p.fixed.size(); ++i) {
+    if (p.fixed[i] != 0) pixels.push_back(static_cast<std::int32_t>(i));
+  }
+  return pixels;
+}
+
 void expect_close(const Problem& p, int most_cycles) {
   Framed<Quad> field = p.field;
-  const int cycles = ScreenedTutte(p.width, p.height, p.fixed, p.decay).solve(field, 1e-3);
+  const int cycles = ScreenedTutte(p.width, p.height, p.fixed, p.decay).solve(field, 1e-3, given_pixels(p));
   EXPECT_LT(error_against_direct(p, field), 1e-3) << p.width << "x" << p.height << " decay " << p.decay;
   EXPECT_LE(cycles, most_cycles) << p.width << "x" << p.height << " decay " << p.decay;
 }
@@ -124,6 +132,48 @@ TEST(ScreenedTutte, SmallGridsWork) {
       expect_close(random_problem(width, height, 0.3, static_cast<unsigned>(10 * width + height), 20), 12);
     }
   }
+}
+
+/// A part of a picture is solved for, once more when some of it is given anew, and the rest is left alone.
+TEST(ScreenedTutte, SolvesAgainAroundWhatIsGivenAnew) {
+  for (unsigned seed = 1; seed <= 4; ++seed) {
+    for (const double decay : {0.0, 3.0, 16.0}) {
+      Problem p = chain_problem(300, 260, 6, seed, decay);
+      ScreenedTutte solver(p.width, p.height, p.fixed, p.decay);
+      std::vector<std::int32_t> given = given_pixels(p);
+      Framed<Quad> field = p.field;
+      solver.solve(field, 1e-3, given);
+      std::mt19937 random(seed);
+      for (int round = 0; round < 4; ++round) {
+        std::shuffle(given.begin(), given.end(), random);
+        const std::vector<std::int32_t> changed(given.begin(), given.begin() + 5);
+        for (const std::int32_t pixel : changed) {
+          const Quad now{1, -2, 3, static_cast<float>(round)};
+          p.field.at(pixel % p.width, pixel / p.width) = now;
+          field.at(pixel % p.width, pixel / p.width) = now;
+        }
+        EXPECT_LE(solver.solve(field, 1e-3, changed), 12);
+        EXPECT_LT(error_against_direct(p, field), 2e-3)
+            << "seed " << seed << ", decay " << decay << ", round " << round;
+      }
+    }
+  }
+}
+
+TEST(ScreenedTutte, LeavesWhatIsFarAwayAtRest) {
+  Problem p{2000, 40, std::vector<std::uint8_t>(2000 * 40, 0), Framed<Quad>(2000, 40), 16};
+  p.fixed[20 * 2000 + 100] = 1;
+  p.field.at(100, 20) = Quad{3, 3, 3, 3};
+  const Problem given = p;
+  ScreenedTutte(p.width, p.height, p.fixed, p.decay).solve(p.field, 1e-3, given_pixels(p));
+  EXPECT_LT(error_against_direct(given, p.field), 1e-3);
+  for (int x = 1000; x < 2000; ++x) EXPECT_EQ(largest(p.field.at(x, 20)), 0) << x;
+}
+
+TEST(ScreenedTutte, NothingGivenAnewChangesNothing) {
+  const Problem p = chain_problem(90, 70, 3, 5, 16);
+  Framed<Quad> field = p.field;
+  EXPECT_EQ(ScreenedTutte(p.width, p.height, p.fixed, p.decay).solve(field, 1e-3, {}), 0);
 }
 
 }  // namespace
