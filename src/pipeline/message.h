@@ -1,7 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <vector>
 
 #include "knotreel/base/happens_before.h"
 #include "knotreel/document/frame_model.h"
@@ -28,9 +30,12 @@ struct Message {
   track::MadeAhead ahead;                               ///< until it has a model
   document::FrameModel model;                           ///< from the stage "documents" on: as stored
   std::shared_ptr<const spline::PixelSurface> surface;  ///< of the model, if it is known
+  /// Tiles of the model in which it may look other than the one before, as Tracker::changed_tiles(); none:
+  /// all.
+  std::vector<std::uint8_t> changed;
   document::FrameModel next;  ///< the frame after, if `model` is to be taken on the way to it ...
   double share = 0;           ///< ... by so much
-  image::Image rendering;     ///< of the size of the output
+  image::Image rendering;     ///< of the size of the output; in the tiles that changed
   image::Image beside;        ///< what Job::compose made
   FrameRow row;
   HappensBefore passed_on;  ///< by the stage before

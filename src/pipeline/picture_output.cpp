@@ -1,11 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "pipeline/picture_output.h"
 
+#include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
+
+#include "knotreel/spline/pixel_tiles.h"
 
 namespace knotreel::pipeline {
 namespace {
@@ -23,6 +28,23 @@ void measure(const image::Image& picture, const image::Image& rendering, image::
   row.mec = metrics.mec;
   row.psnr = metrics.psnr;
   row.ssim = metrics.ssim;
+}
+
+void copy_tiles(const image::Image& from, std::span<const std::uint8_t> tiles, image::Image& to) {
+  constexpr int kSide = spline::PixelTiles::kSide;
+  const int columns = (from.width + kSide - 1) / kSide;
+  for (std::size_t t = 0; t < tiles.size(); ++t) {
+    if (!tiles[t]) continue;
+    const int x = static_cast<int>(t) % columns * kSide;
+    const int y = static_cast<int>(t) / columns * kSide;
+    const auto count = static_cast<std::size_t>(std::min(kSide, from.width - x) * from.channels);
+    for (int row = y; row < std::min(y + kSide, from.height); ++row) {
+      const std::size_t first =
+          static_cast<std::size_t>(row) * from.row_size() + static_cast<std::size_t>(x * from.channels);
+      std::copy_n(from.samples.begin() + static_cast<std::ptrdiff_t>(first), count,
+                  to.samples.begin() + static_cast<std::ptrdiff_t>(first));
+    }
+  }
 }
 
 double seconds_between(Clock::time_point start, Clock::time_point end) {
@@ -55,11 +77,20 @@ PictureOutput::PictureOutput(const VideoOutput& output, const video::StreamInfo&
   writer_.emplace(video::VideoWriter::create(output.path, frames, output.options, copied));
 }
 
+/// Whether what is written is the model at its own size, and has changed in parts.
+bool PictureOutput::draws_changes(const Message& message) const {
+  return !message.changed.empty() && message.picture && same_size_ && !message.picture->has_alpha();
+}
+
 void PictureOutput::draw(Message& message, const BasisPointer& basis) const {
+  if (draws_changes(message)) {
+    message.rendering = raster::Renderer::in_tiles(message.model, basis, message.surface, message.changed);
+    return;
+  }
   if (message.picture) {
     image::Image own = rendered(message, basis, {});
     measure(*message.picture, own, measured_, message.row);
-    if (writer_ && same_size_) message.rendering = std::move(own);
+    if (same_size_ && (writer_ || !own.has_alpha())) message.rendering = std::move(own);
   }
   if (writer_ && message.rendering.samples.empty()) message.rendering = rendered(message, basis, at_output_);
   message.rendering = image::on_background(std::move(message.rendering), background_);
@@ -70,7 +101,12 @@ void PictureOutput::write(Message& message) {
   if (message.repeats) {
     std::tie(row.mec, row.meg, row.psnr, row.ssim) = figures_;
   } else {
-    written_ = std::move(message.rendering);
+    if (draws_changes(message)) {
+      copy_tiles(message.rendering, message.changed, written_);
+      measure(*message.picture, written_, measured_, row);
+    } else {
+      written_ = std::move(message.rendering);
+    }
     figures_ = {row.mec, row.meg, row.psnr, row.ssim};
   }
   if (!writer_) return;

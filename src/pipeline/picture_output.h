@@ -22,13 +22,13 @@ class PictureOutput {
   PictureOutput(const VideoOutput& output, const video::StreamInfo& source, const video::VideoReader* copied,
                 FrameObserver on_frame, image::Figures figures);
 
-  /// Draws the model at the size of the output; measures it at its own size if the message has the picture.
-  /// Several messages at once.
+  /// Draws the model at the size of the output, or what has changed of it; measures it at its own size if the
+  /// message has the picture, and all was drawn. Several messages at once.
   /// @param basis of the space of the model.
   void draw(Message& message, const std::shared_ptr<const spline::Basis>& basis) const;
 
   /// Writes what was drawn, or once more what was written last, with its figures, if the message repeats
-  /// that; in order, one at a time.
+  /// that, or with what has changed; in order, one at a time.
   void write(Message& message);
   void write_packets(const std::vector<video::Packet>& packets);
 
@@ -39,12 +39,13 @@ class PictureOutput {
   Summary finish();
 
  private:
+  bool draws_changes(const Message& message) const;
   void warn_of_small_text(const FrameRow& row);
   void warn_of_dropped_features(const FrameRow& row);
 
   raster::RenderOptions at_output_;
   std::optional<video::VideoWriter> writer_;
-  image::Image written_;                                ///< last
+  image::Image written_;                                ///< last, or drawn last if there is no writer
   std::tuple<double, double, double, double> figures_;  ///< of it: MEC, MEG, PSNR, SSIM
   bool same_size_ = false;
   image::Figures measured_;

@@ -113,6 +113,7 @@ void Stages::model(Message& message) {
     track::Tracker& tracker = message.stretch->tracker;
     message.model = tracker.next(*message.picture, message.motion.get(), &report, std::move(message.ahead));
     message.surface = tracker.surface();
+    message.changed = tracker.changed_tiles();
     message.motion.reset();
     message.stretch.reset();
     message.model.frame = message.index;
@@ -137,6 +138,8 @@ void Stages::documents(Message& message) {
     if (stored.space != message.model.space || stored.displacement != message.model.displacement ||
         stored.colour != message.model.colour)
       message.surface.reset();
+    if (!message.surface || !is_known_) message.changed.clear();
+    is_known_ = message.surface != nullptr;
     message.repeats = message.same_picture && same_surface(stored, stored_);
     last_ = {stored.pts, message.index > 0 ? stored.pts - last_.pts : 0, message.frame.duration};
     stored_ = stored;
@@ -160,7 +163,6 @@ void Stages::rasterize(Message& message) {
     if (job_.watch.stored) job_.watch.stored(message.index, *message.picture, message.model);
     message.model = {};
     message.surface.reset();
-    message.picture.reset();
   });
 }
 
@@ -177,6 +179,7 @@ void Stages::encode(Message& message) {
     const Urgent urgent(is_awaited(message));
     output_.write(message);
     beside_.write(message);
+    message.picture.reset();
   });
   timed(failure_, "report", message, [&] { output_.sum_up(message.row); });
 }

@@ -49,6 +49,7 @@ class Stages {
   BesideOutput beside_;
   DocumentSink document_;
   document::FrameModel stored_;  ///< the last frame
+  bool is_known_ = false;        ///< and its surface
   LastFrame last_;               ///< likewise
   track::GroupRule groups_;
   bool groups_at_once_;               ///< frames that start one are made ahead

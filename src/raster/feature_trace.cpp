@@ -7,6 +7,8 @@
 #include <cstdint>
 #include <limits>
 
+#include "knotreel/spline/pixel_tiles.h"
+
 namespace knotreel::raster {
 
 namespace {
@@ -26,9 +28,28 @@ bool crosses(Vec2 a, Vec2 b, int x, int y) {
   return clip(a.x, b.x - a.x, x) && clip(a.y, b.y - a.y, y) && enter <= leave;
 }
 
+/// Whether the image of the way from a to b may lie in some of the tiles.
+bool comes_near(const Surface& surface, Vec2 a, Vec2 b, std::span<const std::uint8_t> tiles) {
+  const Surface::Bounds moves = surface.displacement_bounds();
+  const auto tile = [](double v, double size) {
+    return static_cast<std::size_t>(std::clamp(v, 0.0, size - 1)) / spline::PixelTiles::kSide;
+  };
+  const std::size_t columns = tile(surface.width(), surface.width()) + 1;
+  const std::size_t left = tile(std::min(a.x, b.x) + moves.low.x, surface.width());
+  const std::size_t right = tile(std::max(a.x, b.x) + moves.high.x, surface.width());
+  const std::size_t bottom = tile(std::max(a.y, b.y) + moves.high.y, surface.height());
+  for (std::size_t y = tile(std::min(a.y, b.y) + moves.low.y, surface.height()); y <= bottom; ++y) {
+    for (std::size_t x = left; x <= right; ++x) {
+      if (tiles[y * columns + x]) return true;
+    }
+  }
+  return false;
+}
+
 }  // namespace
 
-FeatureTrace::FeatureTrace(const Surface& surface, const mesh::KnotMesh& mesh) {
+FeatureTrace::FeatureTrace(const Surface& surface, const mesh::KnotMesh& mesh,
+                           std::span<const std::uint8_t> tiles) {
   const auto image = [&](Vec2 a, Vec2 b, double t) {
     const Vec2 u = a + t * (b - a);
     return u + surface.evaluate(u).displacement;
@@ -37,6 +58,7 @@ FeatureTrace::FeatureTrace(const Surface& surface, const mesh::KnotMesh& mesh) {
     for (std::size_t i = 1; i < s.knots.size(); ++i) {
       const Vec2 a = mesh.knots[s.knots[i - 1]].position;
       const Vec2 b = mesh.knots[s.knots[i]].position;
+      if (!tiles.empty() && !comes_near(surface, a, b, tiles)) continue;
       Curve curve{{}, surface.degree()};
       const Vec2 p0 = image(a, b, 0);
       const Vec2 p1 = image(a, b, 1);

@@ -2,7 +2,9 @@
 #pragma once
 
 #include <array>
+#include <cstdint>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -21,7 +23,9 @@ struct CrossedPixel {
 /// geometry is one polynomial curve of the degree of the surface, kept in Bezier form.
 class FeatureTrace {
  public:
-  FeatureTrace(const Surface& surface, const mesh::KnotMesh& mesh);
+  /// @param tiles by tile of spline::PixelTiles: curves that do not come near those with 1 may be left out.
+  /// None: there are all.
+  FeatureTrace(const Surface& surface, const mesh::KnotMesh& mesh, std::span<const std::uint8_t> tiles = {});
 
   /// Pixels of a grid that the curves cross, row by row, each once. Curves are followed by chords of half a
   /// pixel, so a pixel whose corner a curve only grazes may be missing.

@@ -72,7 +72,7 @@ fit::MixedPixels mixed_pixels(const document::FrameModel& model, std::shared_ptr
   const auto width = static_cast<int>(surface.width());
   const auto height = static_cast<int>(surface.height());
   std::vector<CrossedPixel> crossed =
-      FeatureTrace(surface, model.space->mesh()).crossed_pixels(1, 1, 0, height, 0, width);
+      FeatureTrace(surface, model.space->mesh(), tiles).crossed_pixels(1, 1, 0, height, 0, width);
   if (!tiles.empty())
     std::erase_if(crossed, [&](const CrossedPixel& p) { return tiles[tile_number(p, width)] == 0; });
   fit::MixedPixels mixed;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/tiles_around.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/pixel_places.h"
@@ -42,10 +43,12 @@ auto first_from(std::span<const CrossedPixel> pixels, int x, int y) {
 
 struct Renderer::State {
   State(const document::FrameModel& model, const RenderOptions& options,
-        std::shared_ptr<const spline::Basis> basis, std::shared_ptr<const spline::PixelSurface> given)
+        std::shared_ptr<const spline::Basis> basis, std::shared_ptr<const spline::PixelSurface> given,
+        std::span<const std::uint8_t> some_tiles = {})
       : size(resolve_size(model, options)),
         surface(model, basis),
-        trace(surface, model.space->mesh()),
+        tiles(tiles_to_draw(some_tiles)),
+        trace(surface, model.space->mesh(), tiles),
         channels(static_cast<std::size_t>(model.channels)),
         antialias(options.antialias),
         softness(antialias ? model.edge_softness : 0) {
@@ -60,7 +63,7 @@ struct Renderer::State {
     tile_width = side(fine_width);
     tile_height = side(fine_height);
     if (size.pixel_width != 1 || size.pixel_height != 1) return;
-    if (surface.width() * surface.height() > kMostPlaced) return;
+    if (is_large()) return;
     tile_width = tile_height = kPlacedSide;
     if (given) {
       if (given->colours.size() != static_cast<std::size_t>(size.width) * std::size_t(size.height) * channels)
@@ -72,12 +75,26 @@ struct Renderer::State {
     placed = fit::place_basis(basis, model.displacement);
   }
 
+  bool is_large() const { return surface.width() * surface.height() > kMostPlaced; }
+
+  /// Some, and those around, which softening looks at; none: all.
+  std::vector<std::uint8_t> tiles_to_draw(std::span<const std::uint8_t> some) const {
+    if (some.empty() || is_large()) return {};
+    const auto columns = static_cast<std::size_t>((size.width + kPlacedSide - 1) / kPlacedSide);
+    return tiles_around(some, columns, 1);
+  }
+
   void fine_rows(int row_begin, int row_end, int column_begin, int column_end, float* out) const;
   void draw(const Part& part, std::span<const CrossedPixel> crossed) const;
   void draw_block(int tile_x0, int tile_y0, int tile_x1, int tile_y1, std::span<const CrossedPixel> crossed,
                   const Part& part) const;
   /// Whether the pixels are those that the surface is fitted to.
   bool is_fitted_size() const { return known || placed; }
+
+  bool is_drawn(int tile_x, int tile_y) const {
+    const int columns = (size.width + tile_width - 1) / tile_width;
+    return tiles.empty() || tiles[static_cast<std::size_t>(tile_y * columns + tile_x)] != 0;
+  }
 
   void copy_known(const Part& part) const;
   void draw_placed(int x0, int y0, const Part& part) const;
@@ -89,6 +106,7 @@ struct Renderer::State {
 
   FrameSize size;
   Surface surface;
+  std::vector<std::uint8_t> tiles;  ///< that are drawn; none: all
   FeatureTrace trace;
   std::size_t channels;
   bool antialias;
@@ -211,6 +229,7 @@ void Renderer::State::draw_block(int tile_x0, int tile_y0, int tile_x1, int tile
   std::vector<CrossedPixel> pixels;
   for (int ty = tile_y0; ty < tile_y1; ++ty) {
     for (int tx = tile_x0; tx < tile_x1; ++tx) {
+      if (!is_drawn(tx, ty)) continue;
       const int x0 = tx * tile_width;
       const int y0 = ty * tile_height;
       pixels.clear();
@@ -289,6 +308,15 @@ Renderer::Renderer(const document::FrameModel& model, const RenderOptions& optio
                    std::shared_ptr<const spline::Basis> basis,
                    std::shared_ptr<const spline::PixelSurface> known)
     : state_(std::make_unique<State>(model, options, std::move(basis), std::move(known))) {}
+Renderer::Renderer(std::unique_ptr<State> state) : state_(std::move(state)) {}
+
+image::Image Renderer::in_tiles(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis,
+                                std::shared_ptr<const spline::PixelSurface> known,
+                                std::span<const std::uint8_t> tiles) {
+  return Renderer(std::make_unique<State>(model, RenderOptions(), std::move(basis), std::move(known), tiles))
+      .whole();
+}
+
 Renderer::~Renderer() = default;
 Renderer::Renderer(Renderer&&) noexcept = default;
 Renderer& Renderer::operator=(Renderer&&) noexcept = default;

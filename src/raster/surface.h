@@ -55,6 +55,8 @@ class Surface {
     bool zero() const { return low.x == 0 && low.y == 0 && high.x == 0 && high.y == 0; }
   };
   Bounds displacement_bounds(Vec2 low, Vec2 high) const;
+  /// The same over the whole image.
+  const Bounds& displacement_bounds() const { return overall_; }
 
   /// Displacement at u and its Jacobian, and colours; one-sided as Basis::evaluate.
   struct Sample {

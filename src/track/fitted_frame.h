@@ -40,6 +40,7 @@ struct FittedFrame {
   // Of warm frames, while parts of the picture rest (docs/decisions/0027); else empty.
   std::vector<std::uint64_t> prints;  ///< spline::function_fingerprints()
   std::vector<std::uint8_t> ages;     ///< of the functions, as Kept::ages()
+  std::vector<std::uint8_t> same;     ///< tiles, as Kept::surface()
 
   /// Of the basis, at the places of what is seen.
   const spline::PixelValues& values() const { return seen.placed->values(); }

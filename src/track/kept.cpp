@@ -4,9 +4,9 @@
 #include <algorithm>
 #include <cstring>
 
+#include "base/tiles_around.h"
 #include "knotreel/base/parallel.h"
 #include "track/matching.h"
-#include "track/tiles_around.h"
 
 namespace knotreel::track {
 

@@ -9,6 +9,7 @@
 #include <unordered_set>
 #include <utility>
 
+#include "base/tiles_around.h"
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"
@@ -63,8 +64,9 @@ constexpr double kRestToUse = 0.1;   // share of a picture; with less, to look f
 constexpr double kLeftOut = 2;       // times vectorize::Options::block_error: where that is seen at once
 constexpr double kFull = 0.95;       // share of the control points
 constexpr double kGainOfHeld = 0.5;  // dB, by a cold frame: what is held is looked at for long
-constexpr int kSoftnessInterval = 16;    // frames; the cold one's is of curves that lie better
-constexpr std::size_t kBoundMargin = 2;  // knots that go at once above the bound: a space anew is dearer
+constexpr int kSoftnessInterval = 16;     // frames; the cold one's is of curves that lie better
+constexpr std::size_t kTilesOfEdges = 1;  // the colours around a pixel have a part in it where there are some
+constexpr std::size_t kBoundMargin = 2;   // knots that go at once above the bound: a space anew is dearer
 // Times CarryOptions::min_distance: between outlines, knots are close to them from the first frame on.
 constexpr double kDrawnDistance = 0.5;
 
@@ -160,6 +162,14 @@ class Tracker::Impl {
   bool starts_group(const Motion* motion) const { return groups_.start_of(motion) != Start::kWarm; }
   std::shared_ptr<const spline::PixelSurface> surface() const { return frame_.surface; }
   Drawing drawing() const { return drawing_; }
+
+  std::vector<std::uint8_t> changed_tiles() const {
+    if (frame_.same.empty() || frame_.edge_softness != frame_before_.edge_softness) return {};
+    std::vector<std::uint8_t> changed;
+    for (const std::uint8_t same : frame_.same) changed.push_back(same ? 0 : 1);
+    return tiles_around(changed, frame_.values().tile_columns(), kTilesOfEdges);
+  }
+
   const std::shared_ptr<KnownDrawings>& known_drawings() const { return known_drawings_; }
 
  private:
@@ -247,6 +257,7 @@ class Tracker::Impl {
 
   /// The picture is that of the frame before, and so is the model.
   void repeat() {
+    frame_.same.clear();
     report_->survival = 1;
     report_->psnr = watch_.last();
     watch_.end_repeated_frame();
@@ -541,6 +552,10 @@ Tracker& Tracker::operator=(Tracker&&) noexcept = default;
 
 std::shared_ptr<const spline::PixelSurface> Tracker::surface() const {
   return impl_->surface();
+}
+
+std::vector<std::uint8_t> Tracker::changed_tiles() const {
+  return impl_->changed_tiles();
 }
 
 bool Tracker::starts_group(const Motion* motion) const {

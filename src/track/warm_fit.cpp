@@ -5,12 +5,12 @@
 #include <limits>
 #include <vector>
 
+#include "base/tiles_around.h"
 #include "knotreel/base/parallel.h"
 #include "track/kept.h"
 #include "track/local_error.h"
 #include "track/matching.h"
 #include "track/temporal_target.h"
-#include "track/tiles_around.h"
 #include "vectorize/mixed_pixels.h"
 
 namespace knotreel::track {
@@ -99,8 +99,8 @@ void fit_warm_frame(const FittedFrame& before, const WarmFit& how, FittedFrame& 
   colour.reluctance = reluctance;
   colour.fixed = settled;
   frame.colours = fit::fit_colours(frame.values(), pixels, colour);
-  frame.surface = surface_at(frame.seen, frame.colours.control, kept.surface(frame.colours.control),
-                             before.surface.get());
+  frame.same = kept.surface(frame.colours.control);
+  frame.surface = surface_at(frame.seen, frame.colours.control, frame.same, before.surface.get());
   frame.colours.residual = residual_of(frame.seen, *frame.surface);
   laps.lap("colours");
 }

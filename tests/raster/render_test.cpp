@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <random>
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/parallel.h"
@@ -261,6 +263,28 @@ TEST(Render, SameBitsForAnyThreadCountBandAndCrop) {
       const auto* from =
           whole.data() + (static_cast<std::size_t>(y + 5) * static_cast<std::size_t>(options.width) + 7) * 4;
       EXPECT_TRUE(std::equal(from, from + 44, part.data() + static_cast<std::size_t>(y) * 44)) << scale;
+    }
+  }
+}
+
+TEST(Render, SomeTilesEqualTheWhole) {
+  FrameModel model = busy_model();
+  model.edge_softness = 0.1;
+  const auto basis = std::make_shared<const spline::Basis>(model.space);
+  const image::Image whole = Renderer(model, {}, basis).whole();
+  const int columns = (whole.width + 7) / 8;
+  const auto count = static_cast<std::size_t>(columns * ((whole.height + 7) / 8));
+  std::mt19937 random(kRenderSeed);
+  for (int round = 0; round < 20; ++round) {
+    std::vector<std::uint8_t> tiles(count);
+    for (std::uint8_t& tile : tiles) tile = random() % 6 == 0 ? 1 : 0;
+    const image::Image some = Renderer::in_tiles(model, basis, nullptr, tiles);
+    for (int y = 0; y < whole.height; ++y) {
+      for (int x = 0; x < whole.width; ++x) {
+        if (!tiles[static_cast<std::size_t>(y / 8 * columns + x / 8)]) continue;
+        for (int c = 0; c < whole.channels; ++c)
+          ASSERT_EQ(some.at(x, y, c), whole.at(x, y, c)) << x << ' ' << y << ", round " << round;
+      }
     }
   }
 }

@@ -121,16 +121,49 @@ TEST(DrawnFrames, HaveTheFeaturesOfTheirOwnPicture) {
   EXPECT_GE(near, 5U);
 }
 
-TEST(DrawnFrames, StayTheSameWhereNothingChanges) {
-  std::vector<image::Image> pictures;
-  for (int i = 0; i < 12; ++i) pictures.push_back(drawing(34, 40, 60));
-  // A dot that moves in a corner.
-  for (int i = 0; i < 12; ++i) {
+/// A dot that moves in a corner of a drawing.
+std::vector<image::Image> dot_clip(std::size_t frames) {
+  std::vector<image::Image> pictures(frames, drawing(34, 40, 60));
+  int left = 100;
+  for (image::Image& picture : pictures) {
     for (int y = 2; y < 8; ++y)
-      for (int x = 100 - 4 * i; x < 106 - 4 * i; ++x)
-        for (int c = 0; c < 3; ++c) pictures[std::size_t(i)].at(x, y, c) = 10;
+      for (int x = left; x < left + 6; ++x)
+        for (int c = 0; c < 3; ++c) picture.at(x, y, c) = 10;
+    left -= 4;
   }
-  const Tracked run = track(pictures, drawn_options());
+  return pictures;
+}
+
+TEST(DrawnFrames, LookTheSameInTilesThatHaveNotChanged) {
+  Tracker tracker(vectorize::video_options(picture_options()), drawn_options());
+  const std::vector<image::Image> pictures = dot_clip(14);
+  image::Image before;
+  std::size_t kept = 0;
+  std::size_t all = 0;
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    std::optional<Motion> motion;
+    if (i > 0) motion = motion_between(pictures[i - 1], pictures[i]);
+    const document::FrameModel model = tracker.next(pictures[i], motion ? &*motion : nullptr);
+    const image::Image now =
+        raster::Renderer(model, {}, std::make_shared<const spline::Basis>(model.space)).whole();
+    const std::vector<std::uint8_t> changed = tracker.changed_tiles();
+    EXPECT_TRUE(i > 0 || changed.empty());
+    all += i > 5 ? std::size_t(15 * 12) : 0;
+    for (std::size_t t = 0; t < changed.size(); ++t) {
+      if (changed[t]) continue;
+      kept += i > 5 ? 1 : 0;
+      const int left = int(t % 15) * 8, top = int(t / 15) * 8;
+      for (int y = top; y < std::min(top + 8, now.height); ++y)
+        for (int x = left; x < left + 8; ++x)
+          for (int c = 0; c < 3; ++c) ASSERT_NEAR(now.at(x, y, c), before.at(x, y, c), 0.02) << x << ' ' << y;
+    }
+    before = now;
+  }
+  EXPECT_GT(4 * kept, all);
+}
+
+TEST(DrawnFrames, StayTheSameWhereNothingChanges) {
+  const Tracked run = track(dot_clip(12), drawn_options());
   std::size_t same = 0;
   std::size_t below = 0;
   for (std::size_t f = 6; f < 12; ++f) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cstdint>
 #include <memory>
 #include <span>
 #include <vector>
@@ -46,6 +47,12 @@ class Renderer {
   Renderer(const document::FrameModel& model, const RenderOptions& options,
            std::shared_ptr<const spline::Basis> basis,
            std::shared_ptr<const spline::PixelSurface> known = nullptr);
+  /// The picture of the size of the model, in some of its tiles; other pixels are anything. Of pictures
+  /// above 2^22 pixels all are drawn.
+  /// @param basis, known as above. @param tiles by tile of spline::PixelTiles: 1 for those that are drawn.
+  static image::Image in_tiles(const document::FrameModel& model, std::shared_ptr<const spline::Basis> basis,
+                               std::shared_ptr<const spline::PixelSurface> known,
+                               std::span<const std::uint8_t> tiles);
   ~Renderer();
   Renderer(Renderer&&) noexcept;
   Renderer& operator=(Renderer&&) noexcept;
@@ -64,6 +71,8 @@ class Renderer {
 
  private:
   struct State;
+  explicit Renderer(std::unique_ptr<State> state);
+
   std::unique_ptr<State> state_;
 };
 

@@ -174,6 +174,10 @@ class Tracker {
   /// The last model at its pixels, for whoever draws it; only those that features cross look different.
   std::shared_ptr<const spline::PixelSurface> surface() const;
 
+  /// By tile of 8x8 pixels (spline::PixelTiles): 0 where the last model looks, but for rounding, as the one
+  /// before does at its own size, at features too; none: it may be another one everywhere.
+  std::vector<std::uint8_t> changed_tiles() const;
+
  private:
   class Impl;
   std::unique_ptr<Impl> impl_;

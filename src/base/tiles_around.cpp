@@ -1,9 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "track/tiles_around.h"
+#include "base/tiles_around.h"
 
 #include <algorithm>
 
-namespace knotreel::track {
+namespace knotreel {
 
 std::vector<std::uint8_t> tiles_around(std::span<const std::uint8_t> flags, std::size_t columns,
                                        std::size_t distance) {
@@ -21,4 +21,4 @@ std::vector<std::uint8_t> tiles_around(std::span<const std::uint8_t> flags, std:
   return around;
 }
 
-}  // namespace knotreel::track
+}  // namespace knotreel

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "track/tiles_around.h"
+#include "base/tiles_around.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cstdlib>
 
-namespace knotreel::track {
+namespace knotreel {
 namespace {
 
 TEST(TilesAround, AreAllThatAreNear) {
@@ -28,4 +28,4 @@ TEST(TilesAround, AreAllThatAreNear) {
 }
 
 }  // namespace
-}  // namespace knotreel::track
+}  // namespace knotreel
