@@ -83,8 +83,8 @@ pipeline::CopyPlan plan_of(const CopyArguments& arguments, const Documents& docu
   return pipeline::part_of(std::move(plan), range.first, range.first + count - 1);
 }
 
-std::string summary_text(const CopyArguments& arguments, std::size_t documents,
-                         const pipeline::CopySummary& summary) {
+std::string copy_text(const CopyArguments& arguments, std::size_t documents,
+                      const pipeline::CopySummary& summary) {
   const std::string from = documents > 1 ? fmt::format(" of {} documents", documents) : "";
   if (arguments.output.empty())
     return fmt::format("{}: {}{}\n", printable(arguments.split_folder), counted(summary.frames, "frame"),
@@ -116,7 +116,7 @@ void run_copy(const CopyArguments& arguments) {
     summary = pipeline::run_copy(job);
   }
   if (!uses_standard_output(outputs)) {
-    tell_result(summary_text(arguments, names.size(), summary));
+    tell_result(copy_text(arguments, names.size(), summary));
   }
   if (summary.stopped) throw_stopped(summary.frames);
 }

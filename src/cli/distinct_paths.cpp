@@ -71,7 +71,7 @@ Names names_of(const std::vector<std::string>& inputs) {
   return names;
 }
 
-[[noreturn]] void refuse(const std::string& what, const std::string& same_as) {
+[[noreturn]] void refuse_path(const std::string& what, const std::string& same_as) {
   throw Error(ErrorKind::kInvalidArgument, "output " + what + " is the same file as " + same_as);
 }
 
@@ -100,10 +100,10 @@ class Written {
     if (identity.empty()) return;
     const std::string what = quoted(file, "standard output");
     if (const auto input = inputs_.find(identity); input != inputs_.end()) {
-      refuse(what, "input " + quoted(input->second, "standard input"));
+      refuse_path(what, "input " + quoted(input->second, "standard input"));
     }
     const auto [other, is_new] = outputs_.emplace(identity, name);
-    if (!is_new) refuse(what, "output " + quoted(other->second, "standard output"));
+    if (!is_new) refuse_path(what, "output " + quoted(other->second, "standard output"));
   }
 
   Names inputs_;
@@ -118,7 +118,7 @@ void check_pattern(const Output& pattern, const std::vector<Output>& outputs) {
     const fs::path other = place_of(output.path);
     if (other.parent_path() == place.parent_path() &&
         video::matches_pattern(pattern.path, other.filename().string())) {
-      refuse(quoted(output.path, ""), "one of output " + quoted(pattern.path, ""));
+      refuse_path(quoted(output.path, ""), "one of output " + quoted(pattern.path, ""));
     }
   }
 }

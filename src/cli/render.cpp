@@ -19,7 +19,7 @@ namespace {
 constexpr std::uint64_t kMaxOutputPixels = std::uint64_t{1} << 32;
 constexpr std::uint64_t kMaxTurnedPixels = std::uint64_t{1} << 28;
 
-[[noreturn]] void refuse(const std::string& why) {
+[[noreturn]] void refuse_rendering(const std::string& why) {
   throw Error(ErrorKind::kInvalidArgument, why);
 }
 
@@ -41,7 +41,8 @@ raster::RenderOptions render_options(const RenderArguments& arguments, const doc
     output = {crop.width, crop.height};
   }
   if (std::uint64_t(output.width) * std::uint64_t(output.height) > kMaxOutputPixels) {
-    refuse("the output would have more than " + std::to_string(kMaxOutputPixels) + " pixels; use --crop");
+    refuse_rendering("the output would have more than " + std::to_string(kMaxOutputPixels) +
+                     " pixels; use --crop");
   }
   return options;
 }
@@ -50,8 +51,8 @@ raster::RenderOptions render_options(const RenderArguments& arguments, const doc
 void write_turned(const raster::Renderer& renderer, const Turn& turn, const image::Background& background,
                   image::RowWriter& writer) {
   if (std::uint64_t(renderer.width()) * std::uint64_t(renderer.height()) > kMaxTurnedPixels) {
-    refuse("a video that is shown turned cannot give more than " + std::to_string(kMaxTurnedPixels) +
-           " pixels; use --crop");
+    refuse_rendering("a video that is shown turned cannot give more than " +
+                     std::to_string(kMaxTurnedPixels) + " pixels; use --crop");
   }
   const image::Image whole = image::on_background(video::turned(renderer.whole(), turn), background);
   writer.write(whole.samples, whole.height);
@@ -94,19 +95,20 @@ void render_picture(const RenderArguments& arguments, document::Reader& reader, 
 }
 
 /// Options that would be without effect are refused: a picture of another frame looks right.
-void check_kind(const CLI::App& command, bool video) {
-  if (video && command.count("--frame") > 0) refuse("--frame is for one picture; use --frames for a video");
+void check_kind_of_drawing(const CLI::App& command, bool video) {
+  if (video && command.count("--frame") > 0)
+    refuse_rendering("--frame is for one picture; use --frames for a video");
   if (video) return;
   for (const std::string& name : options_given(command, kVideoGroup)) {
-    refuse(name + " is for videos and numbered pictures" +
-           (name == "--frames" || name == "--start" ? "; use --frame for one picture"
-                                                    : ", not for one picture"));
+    refuse_rendering(name + " is for videos and numbered pictures" +
+                     (name == "--frames" || name == "--start" ? "; use --frame for one picture"
+                                                              : ", not for one picture"));
   }
 }
 
 /// Everything that can be told before the document is read.
 void check_arguments(const CLI::App& command, const RenderArguments& arguments, bool video) {
-  check_kind(command, video);
+  check_kind_of_drawing(command, video);
   if (arguments.format.empty()) check_rendering_name(arguments.output, "copy");
   check_output_size(arguments.scale, arguments.size);
   if (!arguments.crop.empty()) parse_rect("--crop", arguments.crop);
@@ -114,7 +116,7 @@ void check_arguments(const CLI::App& command, const RenderArguments& arguments, 
   if (video) {
     check_video(arguments);
   } else if (!arguments.format.empty() && !image::format_of_extension(arguments.format)) {
-    refuse("--format does not know '" + arguments.format + "' for one picture");
+    refuse_rendering("--format does not know '" + arguments.format + "' for one picture");
   }
   check_paths({arguments.input, arguments.copied}, outputs_of(arguments));
 }
@@ -128,7 +130,7 @@ void render(const CLI::App& command, RenderArguments& arguments) {
   const std::string named = arguments.output;
   if (arguments.format == "null") arguments.output = "null";
   if (arguments.output.empty()) {
-    if (arguments.format != "hash") refuse("--output is required (see knotreel render --help)");
+    if (arguments.format != "hash") refuse_rendering("--output is required (see knotreel render --help)");
     arguments.output = "-";  // for the digest
   }
   const bool frame_is_told = command.count("--frame") > 0;

@@ -14,7 +14,7 @@ namespace {
 
 // A region that is so many times as large as the other one keeps its paint when they are put together.
 constexpr std::uint32_t kMuchLarger = 16;
-constexpr std::size_t kCheckInterval = 1 << 16;
+constexpr std::size_t kStepsPerCheck = 1 << 16;
 // Triangles of what may be too thin to be seen. What has more is large, and to go through it for each of many
 // neighbours that it has swallowed one after the other could take for ever.
 constexpr std::uint32_t kMostThin = 4096;
@@ -143,7 +143,7 @@ class Merger {
     // Pairs that do not fit are not tried again by way of another edge until one of them has changed.
     std::unordered_map<std::uint64_t, std::uint32_t> refused;
     for (std::size_t step = 0; !queue.empty(); ++step) {
-      if (step % kCheckInterval == 0 && options_.checkpoint) options_.checkpoint();
+      if (step % kStepsPerCheck == 0 && options_.checkpoint) options_.checkpoint();
       const Candidate top = queue.top();
       queue.pop();
       std::uint32_t a = find(top.half_edge / 3);

@@ -14,7 +14,7 @@ namespace knotreel::exporting {
 namespace {
 
 // Edges shorter than this, in pixels of the parametric domain, are not halved any more.
-constexpr double kShortest = 1.0 / 64;
+constexpr double kShortestEdge = 1.0 / 64;
 // Linear interpolation of a quadratic over a triangle is off by at most 4/3 of the largest error in the
 // middle of an edge, so edges have to be better than what is promised for the whole.
 constexpr double kEdgeShare = 0.7;
@@ -77,7 +77,7 @@ namespace {
 template <class ErrorOf, class At>
 bool halve(const SurfacePoint& a, const SurfacePoint& middle, const SurfacePoint& b, const ErrorOf& error,
            const At& at) {
-  if (!(norm(b.u - a.u) > kShortest)) return false;
+  if (!(norm(b.u - a.u) > kShortestEdge)) return false;
   const SurfacePoint m = mean(a, b);
   return error(m, middle) > kEdgeShare || error(mean(a, m), at(middle_of(a.u, middle.u))) > kEdgeShare ||
          error(mean(m, b), at(middle_of(middle.u, b.u))) > kEdgeShare;
@@ -252,7 +252,7 @@ class FaceRefiner {
   /// A triangle with good edges: one more look at its middle.
   void finish(std::uint32_t a, std::uint32_t b, std::uint32_t c, int inner) {
     const auto& v = patch_.vertices;
-    if (inner > 0 && std::max({length(a, b), length(b, c), length(c, a)}) > kShortest) {
+    if (inner > 0 && std::max({length(a, b), length(b, c), length(c, a)}) > kShortestEdge) {
       const auto third = [](auto p, auto q, auto r) { return (1.0 / 3) * (p + q + r); };
       SurfacePoint linear{third(v[a].u, v[b].u, v[c].u), third(v[a].x, v[b].x, v[c].x), {}};
       for (std::size_t k = 0; k < 4; ++k) {

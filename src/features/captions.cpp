@@ -12,7 +12,7 @@ namespace knotreel::features {
 
 namespace {
 
-constexpr float kStep = 50;  // levels
+constexpr float kAnyStep = 50;  // levels
 constexpr float kSharpStep = 128;
 constexpr int kCell = 16;  // pixels
 constexpr std::size_t kSharpEachWay = 6;
@@ -70,7 +70,7 @@ Steps steps_of(const image::Image& image, int left, int top) {
       const float along = step(at, at + pixel, colours);
       const float across = step(at, at + image.row_size(), colours);
       ++steps.pixels;
-      if (std::max(along, across) > kStep) ++steps.any;
+      if (std::max(along, across) > kAnyStep) ++steps.any;
       if (std::max(along, across) > kSharpStep) ++steps.sharp;
       if (along > kSharpStep) ++steps.sharp_along;
       if (across > kSharpStep) ++steps.sharp_across;

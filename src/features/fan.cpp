@@ -11,11 +11,11 @@
 namespace knotreel::features {
 namespace {
 
-constexpr double kRadius = 2.3;       // px, of what is around a tip
-constexpr double kLeastContrast = 8;  // levels
-constexpr double kLeastAngle = 0.1;   // radians, between rays
-constexpr double kLeastShare = 0.1;   // of an area, its shares of pixels squared and summed
-constexpr double kLineWeight = 0.2;   // of a px beside its ray, for a point; shares of pixels have 1
+constexpr double kRadius = 2.3;          // px, of what is around a tip
+constexpr double kLeastContrast = 8;     // levels
+constexpr double kLeastAngle = 0.1;      // radians, between rays
+constexpr double kLeastAreaShare = 0.1;  // of an area, its shares of pixels squared and summed
+constexpr double kLineWeight = 0.2;      // of a px beside its ray, for a point; shares of pixels have 1
 constexpr int kMostFanSteps = 10;
 constexpr double kDamping = 1e-3;  // at first
 
@@ -178,7 +178,7 @@ class FanFitter {
     if (!is_sound(fan)) return s;
     s.shares = shares_in(fan);
     s.fan = std::move(fan);
-    if (s.shares.colwise().squaredNorm().minCoeff() < kLeastShare) return s;
+    if (s.shares.colwise().squaredNorm().minCoeff() < kLeastAreaShare) return s;
     s.valid = true;
     s.normal.compute(s.shares.transpose() * s.shares);
     s.colours = s.normal.solve(s.shares.transpose() * samples_);

@@ -17,7 +17,7 @@ namespace {
 
 using spline::FunctionIndex;
 using spline::PieceTerm;
-using Plane = spline::PlaneIn<float>;
+using FloatPlane = spline::PlaneIn<float>;
 
 constexpr double kAlong = 0.75;  // pixels between samples along a feature
 /// Pixels from the feature, but not on it: then no sample is on a wall.
@@ -32,9 +32,9 @@ Box box_of(std::span<const Vec2> places) {
 /// A term about an origin. Where a tent has fewer slopes or walls than there may be, the last slope is there
 /// again, and walls are far away.
 struct LocalTerm {
-  std::array<Plane, 4> slopes;
-  std::array<Plane, 3> walls;
-  Plane factor{1, 0, 0};
+  std::array<FloatPlane, 4> slopes;
+  std::array<FloatPlane, 3> walls;
+  FloatPlane factor{1, 0, 0};
 };
 
 LocalTerm local_term(const PieceTerm& term, Vec2 origin) {
@@ -55,17 +55,18 @@ LocalTerm local_term(const PieceTerm& term, Vec2 origin) {
 /// Adds the derivatives of a term times the displacement (x, y) of its piece at N samples.
 /// @param sums Derivatives of Folds.
 template <std::size_t N, class Sums>
-[[gnu::always_inline]] inline void add_in(const LocalTerm& term, Plane x, Plane y, const float* __restrict px,
-                                          const float* __restrict py, Sums& sums) {
+[[gnu::always_inline]] inline void add_in(const LocalTerm& term, FloatPlane x, FloatPlane y,
+                                          const float* __restrict px, const float* __restrict py,
+                                          Sums& sums) {
   const auto [s0, s1, s2, s3] = term.slopes;
   const auto [w0, w1, w2] = term.walls;
-  const Plane factor = term.factor;
+  const FloatPlane factor = term.factor;
   float* __restrict const xx = sums.xx.data();
   float* __restrict const xy = sums.xy.data();
   float* __restrict const yx = sums.yx.data();
   float* __restrict const yy = sums.yy.data();
   for (std::size_t i = 0; i < N; ++i) {
-    const auto at = [ux = px[i], uy = py[i]](const Plane& p) { return p.c + p.x * ux + p.y * uy; };
+    const auto at = [ux = px[i], uy = py[i]](const FloatPlane& p) { return p.c + p.x * ux + p.y * uy; };
     const float v0 = at(s0), v1 = at(s1), v2 = at(s2), v3 = at(s3);
     const float low = v1 < v0 ? v1 : v0;
     const float other_low = v3 < v2 ? v3 : v2;
@@ -98,8 +99,8 @@ struct SumsOf64 {
 };
 
 KNOTREEL_MULTIVERSION
-void add_term(const LocalTerm& term, const Plane& x, const Plane& y, const float* px, const float* py,
-              SumsOf64& sums) {
+void add_term(const LocalTerm& term, const FloatPlane& x, const FloatPlane& y, const float* px,
+              const float* py, SumsOf64& sums) {
   add_in<64>(term, x, y, px, py, sums);
 }
 
@@ -216,8 +217,8 @@ Folds::Derivatives Folds::derivatives(const Batch& batch, const MotionOf& motion
     const Motion motion = motion_of(e.piece);
     if (!motion.any) continue;
     const Vec2 here = motion.at_zero + origin.x * motion.by_x + origin.y * motion.by_y;
-    const Plane move_x = spline::plane_in<float>({here.x, motion.by_x.x, motion.by_y.x});
-    const Plane move_y = spline::plane_in<float>({here.y, motion.by_x.y, motion.by_y.y});
+    const FloatPlane move_x = spline::plane_in<float>({here.x, motion.by_x.x, motion.by_y.x});
+    const FloatPlane move_y = spline::plane_in<float>({here.y, motion.by_x.y, motion.by_y.y});
     add_term(local_term(basis_.pieces().terms[e.term], origin), move_x, move_y, x.data(), y.data(), all);
   }
   return sums;

@@ -11,7 +11,7 @@ namespace knotreel::fit {
 namespace {
 
 constexpr DampedNewtonOptions kSearch{.tolerance = 1e-5, .max_steps = 12, .shortest = 1.0 / 64};
-constexpr double kNear = 3e-3;  // pixels; not worth another start
+constexpr double kNearEnough = 3e-3;  // pixels; not worth another start
 // From a place on the wrong side of a feature there may be no way; one of these is on the other.
 constexpr std::array<Vec2, 9> kOtherStarts{
     {{0, 0}, {1, 0}, {-1, 0}, {0, 1}, {0, -1}, {1, 1}, {-1, 1}, {1, -1}, {-1, -1}}};
@@ -50,7 +50,7 @@ Vec2 GeometryMap::place_of(Vec2 target, Vec2 start) const {
         target, from, kSearch, [&](Vec2 u) { return at(u); }, [this](Vec2 u) { return clamped(u); });
   };
   Attempt best = search(start);
-  for (std::size_t i = 0; i < kOtherStarts.size() && best.miss > kNear; ++i) {
+  for (std::size_t i = 0; i < kOtherStarts.size() && best.miss > kNearEnough; ++i) {
     const Attempt other = search(target + kOtherStarts[i]);
     if (other.miss < best.miss) best = other;
   }

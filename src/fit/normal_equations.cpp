@@ -277,8 +277,8 @@ struct Entry {
 
 constexpr std::size_t kEntriesPerRow = 16;  // more than there are nearly always
 
-/// Rows of the matrix, one after the other.
-struct Rows {
+/// BlockRows of the matrix, one after the other.
+struct BlockRows {
   std::vector<Entry> entries;
   std::vector<std::size_t> ends;
 };
@@ -292,7 +292,7 @@ class RowSum {
   /// any order.
   template <class Value>
   void add(FunctionIndex f, const PixelValues& values, const TileIndex& index, const TileSums<Value>& sums,
-           const Sought& sought, Rows& rows) {
+           const Sought& sought, BlockRows& rows) {
     Slot* const slots = slots_.data();
     Entry* const row = row_.data();
     std::uint32_t count = 1;
@@ -327,10 +327,10 @@ class RowSum {
 };
 
 /// By columns, with ascending rows. @param blocks of rows, in order.
-Eigen::SparseMatrix<double> to_matrix(const std::vector<Rows>& blocks, std::size_t unknowns) {
+Eigen::SparseMatrix<double> to_matrix(const std::vector<BlockRows>& blocks, std::size_t unknowns) {
   const auto n = static_cast<Eigen::Index>(unknowns);
   std::vector<int> end(unknowns + 1, 0);
-  for (const Rows& block : blocks) {
+  for (const BlockRows& block : blocks) {
     for (const Entry& e : block.entries) ++end[e.column + 1];
   }
   std::partial_sum(end.begin(), end.end(), end.begin());
@@ -338,7 +338,7 @@ Eigen::SparseMatrix<double> to_matrix(const std::vector<Rows>& blocks, std::size
   matrix.resizeNonZeros(end.back());
   std::copy(end.begin(), end.end(), matrix.outerIndexPtr());
   int row = 0;
-  for (const Rows& block : blocks) {
+  for (const BlockRows& block : blocks) {
     std::size_t i = 0;
     for (const std::size_t row_end : block.ends) {
       for (; i < row_end; ++i) {
@@ -369,7 +369,7 @@ NormalEquations assemble_in(const PixelValues& values, const image::Image& targe
                   [&] { sums.emplace(values, target, weights, sought); });
   const std::size_t block_size =
       std::max<std::size_t>(64, functions / 64);  // each clears a list of all functions
-  std::vector<Rows> rows((count + block_size - 1) / block_size);
+  std::vector<BlockRows> rows((count + block_size - 1) / block_size);
   parallel_for(rows.size(), [&](std::size_t block) {
     RowSum row(functions);
     rows[block].entries.reserve(kEntriesPerRow * block_size);

@@ -10,20 +10,20 @@ namespace knotreel::track {
 
 namespace {
 
-constexpr int kTile = 8;  // pixels
+constexpr int kErrorTile = 8;  // pixels
 
 }  // namespace
 
 std::vector<double> local_errors(const spline::SplineSpace& space, std::span<const float> residual, int width,
                                  int height, int channels) {
-  const auto columns = static_cast<std::size_t>((width + kTile - 1) / kTile);
-  const auto rows = static_cast<std::size_t>((height + kTile - 1) / kTile);
+  const auto columns = static_cast<std::size_t>((width + kErrorTile - 1) / kErrorTile);
+  const auto rows = static_cast<std::size_t>((height + kErrorTile - 1) / kErrorTile);
   const std::size_t row_size = static_cast<std::size_t>(width) * static_cast<std::size_t>(channels);
-  const std::size_t tile_size = static_cast<std::size_t>(kTile * channels);
+  const std::size_t tile_size = static_cast<std::size_t>(kErrorTile * channels);
   std::vector<double> means(columns * rows);
   parallel_for(rows, [&](std::size_t row) {
-    const std::size_t first = row * kTile;
-    const std::size_t last = std::min(first + kTile, static_cast<std::size_t>(height));
+    const std::size_t first = row * kErrorTile;
+    const std::size_t last = std::min(first + kErrorTile, static_cast<std::size_t>(height));
     for (std::size_t t = 0; t < columns; ++t) {
       const std::size_t from = t * tile_size;
       const std::size_t to = std::min(from + tile_size, row_size);
@@ -35,7 +35,7 @@ std::vector<double> local_errors(const spline::SplineSpace& space, std::span<con
     }
   });
   const auto tile = [](double at, std::size_t count) {
-    return std::min(static_cast<std::size_t>(std::max(0.0, at / kTile)), count - 1);
+    return std::min(static_cast<std::size_t>(std::max(0.0, at / kErrorTile)), count - 1);
   };
   std::vector<double> result(space.function_count());
   for (spline::FunctionIndex f = 0; f < space.function_count(); ++f) {

@@ -13,8 +13,8 @@ namespace {
 
 constexpr std::ptrdiff_t kMostPoints = 10;  // on each side, to tell a bend from a corner by
 constexpr std::ptrdiff_t kLeastPoints = 4;
-constexpr double kMostTurn = 0.6;  // radians from the chord before to the one behind
-constexpr double kNoise = 0.02;    // pixels, of points: that much may speak for a corner
+constexpr double kMostChordTurn = 0.6;  // radians from the chord before to the one behind
+constexpr double kNoise = 0.02;         // pixels, of points: that much may speak for a corner
 
 /// Pixels where the curves have corners, or are rounded, ascending.
 std::vector<std::int32_t> pixels_with(bool features::ChainPoint::*mark,
@@ -39,7 +39,7 @@ class Curve {
     const auto at = static_cast<std::ptrdiff_t>(i);
     Reach reach{std::min(kMostPoints, closed_ ? (n - 1) / 2 : at),
                 std::min(kMostPoints, closed_ ? (n - 1) / 2 : n - 1 - at)};
-    while (std::min(reach.before, reach.behind) >= kLeastPoints && turn(at, reach) > kMostTurn)
+    while (std::min(reach.before, reach.behind) >= kLeastPoints && turn(at, reach) > kMostChordTurn)
       --(reach.before > reach.behind ? reach.before : reach.behind);
     if (std::min(reach.before, reach.behind) < kLeastPoints) return false;
     const auto points = static_cast<double>(reach.before + 1 + reach.behind);

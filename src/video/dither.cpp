@@ -18,7 +18,7 @@ constexpr std::size_t kSide = 8;  ///< pixels of the pattern
 /// pixels of another colour, for a fifth more bytes.
 constexpr float kMixed = 0.5F;
 /// Share of a mixture that a pixel's own may be off before it changes.
-constexpr float kHeld = 0.12F;
+constexpr float kHeldThreshold = 0.12F;
 
 /// Shares of a mixture from which on a pixel of the pattern has its second colour.
 constexpr std::array<float, kSide* kSide> kThresholds = [] {
@@ -131,8 +131,8 @@ std::vector<std::uint8_t> dithered(const image::Image& picture, const Palette& p
       }
       const Mixture& mixture = mixtures.of(cell_of(rounded));
       float threshold = kThresholds[y % kSide * kSide + x % kSide];
-      if (!before.empty() && before[i] == mixture.plain) threshold += kHeld;
-      if (!before.empty() && before[i] == mixture.other) threshold -= kHeld;
+      if (!before.empty() && before[i] == mixture.plain) threshold += kHeldThreshold;
+      if (!before.empty() && before[i] == mixture.other) threshold -= kHeldThreshold;
       indices[i] = mixture.share(pixels.exact_colour(i).data()) > threshold ? mixture.other : mixture.plain;
     }
   });

@@ -23,12 +23,6 @@ constexpr std::uint64_t kCopySeed = 78;
 constexpr std::size_t kCopyFrames = 10;
 constexpr std::size_t kSecondGroup = 6;
 
-std::vector<std::byte> bytes_of(const std::ostringstream& out) {
-  const std::string text = out.str();
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
-
 /// Two groups; some frames keep the topology, some swap knots, one changes nothing.
 std::vector<std::byte> moving_document(int degree, const document::EncodeOptions& options = {}) {
   FrameModel model =
@@ -44,7 +38,7 @@ std::vector<std::byte> moving_document(int degree, const document::EncodeOptions
     model.keyframe = f + 1 == kSecondGroup;
   }
   writer.finish();
-  return bytes_of(out);
+  return testing::bytes_of(out);
 }
 
 /// Frames of a document in this order, each following the one that it followed if that is there. Where that
@@ -61,7 +55,7 @@ std::vector<std::byte> copied(Reader& from, const std::vector<std::size_t>& fram
               from.read(frames[i]).space->mesh().knots.size());
   }
   copier.finish();
-  return bytes_of(out);
+  return testing::bytes_of(out);
 }
 
 std::vector<std::size_t> counted(std::size_t first, std::size_t end) {
@@ -85,14 +79,14 @@ TEST(Copier, TheDurationOfTheLastFrameIsKeptIfItIsTold) {
     document::Writer writer(out, testing::info_of(model));
     writer.append(model);
     writer.finish(duration);
-    Reader reader = Reader::open(bytes_of(out));
+    Reader reader = Reader::open(testing::bytes_of(out));
     EXPECT_TRUE(reader.complete());
     EXPECT_EQ(reader.last_duration(), duration);
     std::ostringstream again;
     Copier copier(again, reader.info(), reader.steps());
     copier.append(reader, 0, {0, model.pts});
     copier.finish(reader.last_duration());
-    EXPECT_EQ(bytes_of(again), bytes_of(out));
+    EXPECT_EQ(testing::bytes_of(again), testing::bytes_of(out));
   }
 }
 
@@ -151,7 +145,7 @@ TEST(Copier, DocumentsOfDifferentStepsKeepTheirNumbers) {
   for (std::size_t f = 0; f < 4; ++f) copier.append(coarse, f, {f, std::int64_t(f), f > 0});
   for (std::size_t f = 0; f < 4; ++f) copier.append(fine, f, {4 + f, std::int64_t(4 + f), f > 0});
   copier.finish();
-  Reader copy = Reader::open(bytes_of(out));
+  Reader copy = Reader::open(testing::bytes_of(out));
   for (std::size_t f = 0; f < copy.frame_count(); ++f) {
     FrameModel original = (f < 4 ? coarse : fine).read(f % 4);
     original.frame = f;

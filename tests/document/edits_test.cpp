@@ -28,12 +28,6 @@ FrameModel plain_frame(mesh::KnotMesh mesh, int degree, std::uint64_t seed, bool
   return model;
 }
 
-std::vector<std::byte> bytes_of(const std::ostringstream& out) {
-  const std::string text = out.str();
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
-}
-
 TEST(Edits, ComeBackBitByBit) {
   for (int degree = 1; degree <= 3; ++degree) {
     for (std::uint64_t seed = kEditsSeed; seed < kEditsSeed + 6; ++seed) {
@@ -54,7 +48,7 @@ TEST(Edits, ComeBackBitByBit) {
         model.keyframe = random() % 8 == 0;
       }
       writer.finish();
-      Reader reader = Reader::open(bytes_of(out));
+      Reader reader = Reader::open(testing::bytes_of(out));
       ASSERT_EQ(reader.frame_count(), stored.size());
       for (std::size_t f = 0; f < stored.size(); ++f) {
         ASSERT_EQ(testing::difference(reader.read(f), stored[f]), "") << "frame " << f;
@@ -84,7 +78,7 @@ TEST(Edits, CostWhatTheyChange) {
     model.pts = 2;
     writer.append(model);
     writer.finish();
-    Reader reader = Reader::open(bytes_of(out));
+    Reader reader = Reader::open(testing::bytes_of(out));
     EXPECT_GT(reader.record(0).bytes, 2000u);
     return reader.record(2).bytes;
   };
@@ -123,7 +117,7 @@ TEST(Edits, KnotsThatStayAmongMovingOnesCostNoMoreThanMovesByOneStep) {
       writer.append(model);
     }
     writer.finish();
-    return Reader::open(bytes_of(out)).record(kFrames).bytes;
+    return Reader::open(testing::bytes_of(out)).record(kFrames).bytes;
   };
   const auto staying = last_bytes([](std::mt19937_64&) { return Vec2{0, 0}; });
   const auto stepping = last_bytes([](std::mt19937_64& random) {

@@ -262,15 +262,19 @@ document::SequenceInfo info_of(const FrameModel& model) {
   return info;
 }
 
+std::vector<std::byte> bytes_of(const std::ostringstream& out) {
+  const std::string text = out.str();
+  const auto bytes = std::as_bytes(std::span(text));
+  return {bytes.begin(), bytes.end()};
+}
+
 std::vector<std::byte> write_document(const std::vector<FrameModel>& frames,
                                       const document::EncodeOptions& options) {
   std::ostringstream out;
   document::Writer writer(out, info_of(frames.front()), options);
   for (const FrameModel& frame : frames) writer.append(frame);
   writer.finish();
-  const std::string text = out.str();
-  const auto bytes = std::as_bytes(std::span(text));
-  return {bytes.begin(), bytes.end()};
+  return bytes_of(out);
 }
 
 std::string difference(const FrameModel& a, const FrameModel& b) {

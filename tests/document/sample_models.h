@@ -3,6 +3,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <iosfwd>
 #include <string>
 #include <vector>
 
@@ -32,6 +33,9 @@ document::FrameModel shuffled(const document::FrameModel& model, std::uint64_t s
 document::FrameModel successor(const document::FrameModel& model, int swaps, std::uint64_t seed);
 
 document::SequenceInfo info_of(const document::FrameModel& model);
+
+/// What was written.
+std::vector<std::byte> bytes_of(const std::ostringstream& out);
 
 /// A finished document in memory.
 std::vector<std::byte> write_document(const std::vector<document::FrameModel>& frames,

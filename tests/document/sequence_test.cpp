@@ -55,9 +55,7 @@ Sequence encode(int degree) {
     model.keyframe = f + 1 == 6;
   }
   writer.finish();
-  const std::string text = out.str();
-  const auto bytes = std::as_bytes(std::span(text));
-  sequence.bytes.assign(bytes.begin(), bytes.end());
+  sequence.bytes = testing::bytes_of(out);
   return sequence;
 }
 
@@ -110,9 +108,7 @@ TEST(Sequence, TheSoftnessOfEdgesStaysUntilItChanges) {
     EXPECT_EQ(writer.append(model).edge_softness, softness[f]);
   }
   writer.finish();
-  const std::string text = out.str();
-  const auto bytes = std::as_bytes(std::span(text));
-  Reader reader = Reader::open({bytes.begin(), bytes.end()});
+  Reader reader = Reader::open(testing::bytes_of(out));
   for (std::size_t f = 0; f < softness.size(); ++f) EXPECT_EQ(reader.read(f).edge_softness, softness[f]) << f;
 }
 
@@ -227,9 +223,7 @@ TEST(Sequence, ARepeatedKeyframeStaysAsItIs) {
   moved.colour[0] += 40;
   EXPECT_FALSE(same_surface(writer.append(moved), first));
   writer.finish();
-  const std::string text = out.str();
-  const auto bytes = std::as_bytes(std::span(text));
-  Reader reader = Reader::open(std::vector(bytes.begin(), bytes.end()));
+  Reader reader = Reader::open(testing::bytes_of(out));
   const FrameModel read = reader.read(0);
   for (std::size_t f = 1; f < 3; ++f) {
     EXPECT_LE(reader.record(f).bytes, 24U) << f;

@@ -13,7 +13,7 @@
 namespace knotreel::features {
 namespace {
 
-constexpr unsigned kSeed = 11;
+constexpr unsigned kCaptionSeed = 11;
 
 /// A meadow: soft hills with some noise.
 double ground(double x, double y) {
@@ -41,8 +41,8 @@ TEST(Captions, LettersOverFilmAreCounted) {
 }
 
 TEST(Captions, FilmHasNone) {
-  SCOPED_TRACE(kSeed);
-  std::mt19937 random(kSeed);
+  SCOPED_TRACE(kCaptionSeed);
+  std::mt19937 random(kCaptionSeed);
   std::normal_distribution<double> grain(0, 12);
   EXPECT_EQ(caption_pixels(captioned(0)), 0U);
   EXPECT_EQ(caption_pixels(
@@ -52,7 +52,7 @@ TEST(Captions, FilmHasNone) {
 }
 
 TEST(Captions, BarsAndNoiseAreNone) {
-  SCOPED_TRACE(kSeed);
+  SCOPED_TRACE(kCaptionSeed);
   EXPECT_EQ(
       caption_pixels(testing::draw(
           160, 128, [](double x, double y) { return y < 20.5 || y > 100.5 ? 0 : 140 + ground(x, y) / 2; })),
@@ -60,7 +60,7 @@ TEST(Captions, BarsAndNoiseAreNone) {
   EXPECT_EQ(caption_pixels(testing::draw(
                 160, 128, [](double x, double) { return x < 40 && std::fmod(x, 8) < 4 ? 0.0 : 255.0; })),
             0U);
-  std::mt19937 random(kSeed);
+  std::mt19937 random(kCaptionSeed);
   std::uniform_real_distribution<float> noise(0, 255);
   image::Image picture = image::make_image(160, 128, 3);
   for (float& sample : picture.samples) sample = noise(random);
@@ -125,8 +125,8 @@ std::size_t counted_slowly(const image::Image& image) {
 }
 
 TEST(Captions, AreThoseOfTheObviousWay) {
-  SCOPED_TRACE(kSeed);
-  std::mt19937 random(kSeed);
+  SCOPED_TRACE(kCaptionSeed);
+  std::mt19937 random(kCaptionSeed);
   for (int k = 0; k < 20; ++k) {
     image::Image picture = image::make_image(30 + int(random() % 90), 17 + int(random() % 90), 1);
     const auto rarity = 2 + random() % 12;

@@ -398,7 +398,7 @@ TEST(Tiff, MorePagesAndProfilesAreNoted) {
 }
 
 /// The message of the error, which must be one line and the only one; empty if the file is read.
-std::string refusal(const std::filesystem::path& path) {
+std::string tiff_refusal(const std::filesystem::path& path) {
   testing::internal::CaptureStderr();
   std::string message;
   try {
@@ -418,7 +418,7 @@ TEST(Tiff, KindsThatAreNotReadAreNamed) {
   const auto refusal_of = [&](const Kind& kind, const std::function<void(TIFF*)>& more_tags = {}) {
     write_tiff(
         dir / "a.tif", kind, [](int, int, int) { return 1; }, more_tags);
-    return refusal(dir / "a.tif");
+    return tiff_refusal(dir / "a.tif");
   };
   EXPECT_NE(refusal_of({.bits = 24}).find("TIFF of 24-bit integers"), std::string::npos);
   EXPECT_NE(refusal_of({.bits = 16, .format = SAMPLEFORMAT_INT}).find("integers with a sign"),
@@ -461,7 +461,7 @@ TEST(Tiff, MissingPixelsAreTold) {
   EXPECT_EQ(read_image(dir / "a.tif").at(9, 9, 0), 'x');
   for (std::size_t length = 0; length < whole.size(); length += 3) {
     test::write_text(dir / "a.tif", whole.substr(0, length));
-    const std::string why = refusal(dir / "a.tif");
+    const std::string why = tiff_refusal(dir / "a.tif");
     EXPECT_NE(why, "") << length;
     // Without a word of libtiff: it has not been asked for pixels.
     if (length + 100 >= whole.size()) {
@@ -469,7 +469,7 @@ TEST(Tiff, MissingPixelsAreTold) {
     }
   }
   test::write_text(dir / "a.tif", directory_first(10, 10, COMPRESSION_NONE, std::string(50, 'x')));
-  EXPECT_NE(refusal(dir / "a.tif").find("cut short"), std::string::npos);
+  EXPECT_NE(tiff_refusal(dir / "a.tif").find("cut short"), std::string::npos);
 }
 
 TEST(Tiff, ErrorsAreOneLineOfWhatMatters) {
@@ -487,26 +487,26 @@ TEST(Tiff, ErrorsAreOneLineOfWhatMatters) {
   };
   replace(std::string("\x4e\1\3\0\1\0\0\0\4", 9), std::string("\x4e\1\3\0\1\0\0\0\5", 9));  // five inks
   test::write_text(dir / "a.tif", bytes);
-  EXPECT_EQ(refusal(dir / "a.tif"), "") << "it does not matter";
+  EXPECT_EQ(tiff_refusal(dir / "a.tif"), "") << "it does not matter";
   bytes.replace(8, 60, std::string(60, '\xff'));
   test::write_text(dir / "a.tif", bytes);
-  EXPECT_NE(refusal(dir / "a.tif"), "") << "no pixels";
-  EXPECT_EQ(refusal(dir / "a.tif").find("NumberOfInks"), std::string::npos);
+  EXPECT_NE(tiff_refusal(dir / "a.tif"), "") << "no pixels";
+  EXPECT_EQ(tiff_refusal(dir / "a.tif").find("NumberOfInks"), std::string::npos);
   replace(std::string("\x11\1\4\0", 4), std::string("\x10\1\4\0", 4));  // no strips, which makes it an error
   test::write_text(dir / "a.tif", bytes);
-  EXPECT_NE(refusal(dir / "a.tif").find("NumberOfInks"), std::string::npos);
+  EXPECT_NE(tiff_refusal(dir / "a.tif").find("NumberOfInks"), std::string::npos);
 }
 
 TEST(Tiff, HugeHeadersAreRefused) {
   const TempDir dir;
   test::write_text(dir / "a.tif", directory_first(100000, 100000, COMPRESSION_NONE, "x"));
-  EXPECT_NE(refusal(dir / "a.tif").find("100000x100000"), std::string::npos);
+  EXPECT_NE(tiff_refusal(dir / "a.tif").find("100000x100000"), std::string::npos);
   for (const int compression : {COMPRESSION_NONE, COMPRESSION_LZW, COMPRESSION_ADOBE_DEFLATE}) {
     test::write_text(dir / "a.tif", directory_first(16000, 16000, std::uint32_t(compression), "x"));
-    EXPECT_NE(refusal(dir / "a.tif").find("cut short"), std::string::npos);
+    EXPECT_NE(tiff_refusal(dir / "a.tif").find("cut short"), std::string::npos);
   }
   test::write_text(dir / "a.tif", directory_first(10, 10, 34712, "x"));  // JPEG 2000
-  EXPECT_NE(refusal(dir / "a.tif").find("compression 34712"), std::string::npos);
+  EXPECT_NE(tiff_refusal(dir / "a.tif").find("compression 34712"), std::string::npos);
 }
 
 TEST(Tiff, DamageNeverDoesMoreThanFail) {
@@ -532,11 +532,11 @@ TEST(Tiff, DamageNeverDoesMoreThanFail) {
         damaged[bytes.size() - 1 - random() % range] ^= static_cast<char>(1 << random() % 8);
       }
       test::write_text(dir / "b.tif", damaged);
-      refusal(dir / "b.tif");
+      tiff_refusal(dir / "b.tif");
     }
     for (std::size_t length = 0; length < bytes.size(); length += 97) {
       test::write_text(dir / "b.tif", bytes.substr(0, length));
-      EXPECT_NE(refusal(dir / "b.tif"), "") << length;
+      EXPECT_NE(tiff_refusal(dir / "b.tif"), "") << length;
     }
   }
 }

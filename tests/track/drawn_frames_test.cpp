@@ -41,16 +41,16 @@ TrackOptions drawn_options(std::size_t most = 1000) {
   return options;
 }
 
-struct Tracked {
+struct TrackedDrawing {
   std::vector<document::FrameModel> models;
   std::vector<FrameReport> reports;
   double psnr = 0;  ///< of all frames as drawn
 };
 
-Tracked track(const std::vector<image::Image>& pictures, const TrackOptions& options,
-              std::size_t most = 1000) {
+TrackedDrawing track_drawing(const std::vector<image::Image>& pictures, const TrackOptions& options,
+                             std::size_t most = 1000) {
   Tracker tracker(vectorize::video_options(picture_options(most)), options);
-  Tracked run;
+  TrackedDrawing run;
   double squares = 0;
   std::size_t count = 0;
   for (std::size_t i = 0; i < pictures.size(); ++i) {
@@ -70,7 +70,7 @@ Tracked track(const std::vector<image::Image>& pictures, const TrackOptions& opt
   return run;
 }
 
-std::size_t bytes_of(const Tracked& run) {
+std::size_t bytes_of(const TrackedDrawing& run) {
   std::ostringstream out;
   document::SequenceInfo info;
   info.width = 120;
@@ -88,8 +88,8 @@ std::size_t bytes_of(const Tracked& run) {
 
 TEST(DrawnFrames, AreFarBetterThanAsFilmAndStillWarm) {
   const std::vector<image::Image> pictures = drawn_clip(9);
-  const Tracked drawn = track(pictures, drawn_options());
-  const Tracked film = track(pictures, {});
+  const TrackedDrawing drawn = track_drawing(pictures, drawn_options());
+  const TrackedDrawing film = track_drawing(pictures, {});
   EXPECT_GT(drawn.psnr, film.psnr + 3);
   EXPECT_GT(drawn.psnr, 42);
   double survival = 0;
@@ -110,7 +110,7 @@ TEST(DrawnFrames, HaveTheFeaturesOfTheirOwnPicture) {
   }
   TrackOptions options = drawn_options();
   options.drift = 100;  // it stays a warm frame
-  const Tracked run = track(pictures, options);
+  const TrackedDrawing run = track_drawing(pictures, options);
   ASSERT_EQ(run.reports[1].start, Start::kWarm);
   std::size_t near = 0;
   const mesh::KnotMesh& mesh = run.models[1].space->mesh();
@@ -163,7 +163,7 @@ TEST(DrawnFrames, LookTheSameInTilesThatHaveNotChanged) {
 }
 
 TEST(DrawnFrames, StayTheSameWhereNothingChanges) {
-  const Tracked run = track(dot_clip(12), drawn_options());
+  const TrackedDrawing run = track_drawing(dot_clip(12), drawn_options());
   std::size_t same = 0;
   std::size_t below = 0;
   for (std::size_t f = 6; f < 12; ++f) {
@@ -183,10 +183,10 @@ TEST(DrawnFrames, DoNotDependOnTheNumberOfThreads) {
   const std::vector<image::Image> pictures = drawn_clip(4);
   const auto with = [&](int threads) {
     const ThreadCap cap(threads);
-    return track(pictures, drawn_options());
+    return track_drawing(pictures, drawn_options());
   };
-  const Tracked serial = with(1);
-  const Tracked parallel = with(3);
+  const TrackedDrawing serial = with(1);
+  const TrackedDrawing parallel = with(3);
   for (std::size_t i = 0; i < pictures.size(); ++i) {
     EXPECT_EQ(serial.models[i].colour, parallel.models[i].colour) << i;
     EXPECT_EQ(serial.models[i].displacement, parallel.models[i].displacement) << i;
@@ -194,8 +194,8 @@ TEST(DrawnFrames, DoNotDependOnTheNumberOfThreads) {
 }
 
 TEST(DrawnFrames, CanBeStoredAsDeltas) {
-  const Tracked run = track(drawn_clip(6), drawn_options());
-  Tracked keys = run;
+  const TrackedDrawing run = track_drawing(drawn_clip(6), drawn_options());
+  TrackedDrawing keys = run;
   for (document::FrameModel& model : keys.models) model.keyframe = true;
   EXPECT_LT(double(bytes_of(run)), 0.8 * double(bytes_of(keys)));
 }
@@ -204,8 +204,8 @@ TEST(DrawnFrames, WhatIsNoDrawingIsFilm) {
   std::vector<image::Image> pictures;
   for (int i = 0; i < 3; ++i) pictures.push_back(test::random_8bit_picture(64, 48, 3, 5));
   for (int i = 1; i < 3; ++i) pictures[std::size_t(i)].at(7 * i, 9, 0) += 3;
-  const Tracked with = track(pictures, drawn_options(300), 300);
-  const Tracked without = track(pictures, {}, 300);
+  const TrackedDrawing with = track_drawing(pictures, drawn_options(300), 300);
+  const TrackedDrawing without = track_drawing(pictures, {}, 300);
   for (std::size_t i = 0; i < pictures.size(); ++i)
     EXPECT_EQ(with.models[i].colour, without.models[i].colour) << i;
 }
@@ -215,7 +215,7 @@ TEST(DrawnFrames, MayBecomeFilmInTheMidstOfAGroup) {
   std::vector<image::Image> pictures = drawn_clip(6);
   const image::Image grain = test::random_8bit_picture(120, 90, 3, 9);
   for (std::size_t s = 0; s < grain.samples.size(); ++s) pictures[3].samples[s] += 0.1F * grain.samples[s];
-  const Tracked run = track(pictures, drawn_options());
+  const TrackedDrawing run = track_drawing(pictures, drawn_options());
   EXPECT_EQ(run.models.size(), 6U);
   EXPECT_GT(run.reports[5].psnr, 35);
 }
@@ -232,7 +232,7 @@ std::vector<image::Image> fading_in(const image::Image& picture) {
 
 TEST(DrawnFrames, ADrawingMayFadeIn) {
   const std::vector<image::Image> pictures = fading_in(drawing(34, 40));
-  EXPECT_GT(track(pictures, drawn_options()).psnr, track(pictures, {}).psnr + 3);
+  EXPECT_GT(track_drawing(pictures, drawn_options()).psnr, track_drawing(pictures, {}).psnr + 3);
 }
 
 TEST(DrawnFrames, FilmMayFadeIn) {
@@ -243,7 +243,7 @@ TEST(DrawnFrames, FilmMayFadeIn) {
         film.at(x, y, c) =
             0.1F * film.at(x, y, c) + 90 + 80 * std::sin(0.1F * float(x + c)) * std::cos(0.13F * float(y));
   const std::vector<image::Image> pictures = fading_in(film);
-  EXPECT_GT(track(pictures, drawn_options()).psnr, track(pictures, {}).psnr - 0.3);
+  EXPECT_GT(track_drawing(pictures, drawn_options()).psnr, track_drawing(pictures, {}).psnr - 0.3);
 }
 
 /// Shades, and noise in the lower half, which would make film of a first frame.
@@ -262,7 +262,7 @@ TEST(DrawnFrames, CurvesFoundAheadChangeNothing) {
   blemish(pictures[3]);
   ASSERT_FALSE(features::is_drawing(pictures[3]));
   ASSERT_TRUE(features::may_be_drawing(pictures[3]));
-  const Tracked run = track(pictures, drawn_options());
+  const TrackedDrawing run = track_drawing(pictures, drawn_options());
   const TrackOptions options = drawn_options();
   Tracker tracker(vectorize::video_options(picture_options()), options);
   EXPECT_EQ(tracker.drawing(), Drawing::kNone);
@@ -315,7 +315,7 @@ TEST(DrawnFrames, OutlinesAtRestStayAsRoundAsTheyWere) {
   for (int i = 0; i < 30; ++i) pictures.push_back(ring_and_box(75 - 0.6 * i));
   TrackOptions options = drawn_options();
   options.drift = 100;
-  const Tracked run = track(pictures, options);
+  const TrackedDrawing run = track_drawing(pictures, options);
   const auto farthest = [](const document::FrameModel& model) {
     const mesh::KnotMesh& mesh = model.space->mesh();
     std::vector<Vec2> points;
@@ -532,7 +532,7 @@ void expect_to_stay_within(TrackOptions options, std::vector<image::Image> pictu
   for (std::size_t i = 1; i < pictures.size(); ++i) {
     for (float& sample : pictures[i].samples) sample -= float(i);
   }
-  const Tracked run = track(pictures, options, 400);
+  const TrackedDrawing run = track_drawing(pictures, options, 400);
   for (const FrameReport& report : run.reports) {
     EXPECT_EQ(report.start == Start::kWarm, &report != &run.reports.front());
     EXPECT_GT(report.control_points, least);
@@ -558,11 +558,11 @@ TEST(DrawnFrames, FilmOfADrawingBecomesDenseInItsMidst) {
     pictures.push_back(many_squares());
     for (float& sample : pictures.back().samples) sample = 150 + sample / faintness;
   }
-  const std::vector<FrameReport> film = track(pictures, options, 400).reports;
+  const std::vector<FrameReport> film = track_drawing(pictures, options, 400).reports;
   for (const FrameReport& report : film) EXPECT_LE(report.control_points, 400U);
   options.dense_film =
       std::make_shared<const vectorize::Options>(vectorize::video_options(picture_options(1500)));
-  const std::vector<FrameReport> dense = track(pictures, options, 400).reports;
+  const std::vector<FrameReport> dense = track_drawing(pictures, options, 400).reports;
   EXPECT_LE(dense.front().control_points, 400U) << "it can be seen";
   EXPECT_GT(dense.back().control_points, 800U);
   EXPECT_GT(dense.back().psnr, film.back().psnr + 3);
@@ -591,11 +591,11 @@ TEST(Film, HasRoomForCaptionsThatCome) {
   std::vector<image::Image> pictures;
   for (unsigned i = 0; i < 6; ++i) pictures.push_back(film_with_captions(i < 2 ? 0 : 2, i));
   TrackOptions options = drawn_options(300);
-  const std::vector<FrameReport> plain = track(pictures, options, 300).reports;
+  const std::vector<FrameReport> plain = track_drawing(pictures, options, 300).reports;
   for (const FrameReport& report : plain) EXPECT_LE(report.control_points, 300U);
   options.dense_film =
       std::make_shared<const vectorize::Options>(vectorize::video_options(picture_options(900)));
-  const std::vector<FrameReport> roomy = track(pictures, options, 300).reports;
+  const std::vector<FrameReport> roomy = track_drawing(pictures, options, 300).reports;
   for (std::size_t i : {0U, 1U}) EXPECT_LE(roomy[i].control_points, 300U) << "nothing came so far";
   EXPECT_GT(roomy.back().control_points, 500U);
   EXPECT_LE(roomy.back().control_points, 900U);
@@ -662,7 +662,7 @@ TEST(ColdFrame, WhatWasGoodEnoughIsDenseIfItHasNoRoom) {
 /// A drawing that is made as film since it has no room tells what a still like it has.
 TEST(DrawnFrames, TellWhatTheyLack) {
   const auto first = [](const image::Image& picture, std::size_t most, bool drawn) {
-    return track({picture}, drawn ? drawn_options(most) : TrackOptions(), most).reports.front();
+    return track_drawing({picture}, drawn ? drawn_options(most) : TrackOptions(), most).reports.front();
   };
   EXPECT_EQ(first(many_squares(), 400, true).wanted_control_points,
             vectorize::default_control_points(many_squares()));
@@ -712,7 +712,7 @@ TEST(DrawnFrames, ThatAreDenseGrowByAFifthAtMost) {
   for (std::size_t i = 1; i < pictures.size(); ++i) {
     for (float& sample : pictures[i].samples) sample += float(random() % 41) - 20;
   }
-  const Tracked run = track(pictures, options, 400);
+  const TrackedDrawing run = track_drawing(pictures, options, 400);
   const std::size_t first = run.reports.front().control_points;
   ASSERT_GT(first, 400U);
   std::size_t most = 0;
@@ -744,7 +744,7 @@ TEST(DrawnFrames, ThatAreDenseGrowWithTheirFeatures) {
       }
     }
   }
-  const Tracked run = track(pictures, options, 400);
+  const TrackedDrawing run = track_drawing(pictures, options, 400);
   const auto free_knots = [&](std::size_t i) {
     const auto& knots = run.models[i].space->mesh().knots;
     return std::ranges::count_if(knots, [](const auto& k) { return k.kind == mesh::KnotKind::kFree; });
@@ -768,7 +768,7 @@ TEST(DrawnFrames, KeepTheBoundWhereFeaturesAloneAreTooMany) {
   constexpr std::size_t kMost = 1800;
   TrackOptions options = drawn_options(kMost);
   options.drift = 100;
-  const Tracked run = track(squares_that_come(2, 5), options, kMost);
+  const TrackedDrawing run = track_drawing(squares_that_come(2, 5), options, kMost);
   EXPECT_FALSE(run.models.front().space->mesh().segments.empty());
   for (const FrameReport& report : run.reports) EXPECT_LE(report.control_points, kMost);
 }
@@ -804,7 +804,7 @@ TEST(DrawnFrames, DoNotKnowTheGroupBefore) {
 }
 
 /// A disk moves on the left. On the right there are shades, which knots would follow, and nothing moves.
-image::Image half_at_rest(int frame) {
+image::Image drawing_half_at_rest(int frame) {
   image::Image image = image::make_image(240, 90, 3);
   const image::Image left = drawing(30, 36 + 1.3 * frame);
   const image::Image right = drawing(30, 40);
@@ -822,10 +822,10 @@ image::Image half_at_rest(int frame) {
 
 TEST(DrawnFrames, KnotsAtRestStay) {
   std::vector<image::Image> pictures;
-  for (int i = 0; i < 18; ++i) pictures.push_back(half_at_rest(i % 9));
+  for (int i = 0; i < 18; ++i) pictures.push_back(drawing_half_at_rest(i % 9));
   TrackOptions options = drawn_options(1500);
   options.drift = 100;
-  const Tracked run = track(pictures, options, 1500);
+  const TrackedDrawing run = track_drawing(pictures, options, 1500);
   const auto at_rest = [&](std::size_t i) {
     std::map<mesh::KnotId, Vec2> places;
     for (const mesh::Knot& k : run.models[i].space->mesh().knots) {
@@ -846,7 +846,7 @@ TEST(DrawnFrames, KeepEdgesShort) {
   vectorize::Options drawn = *options.drawn;
   drawn.longest_edge = kLongest;
   options.drawn = std::make_shared<const vectorize::Options>(drawn);
-  const Tracked run = track(drawn_clip(16), options, 1500);
+  const TrackedDrawing run = track_drawing(drawn_clip(16), options, 1500);
   for (std::size_t i = 1; i < run.models.size(); ++i) {  // the first has optimised its mesh since
     const mesh::KnotMesh& mesh = run.models[i].space->mesh();
     double longest = 0;

@@ -14,12 +14,13 @@ namespace {
 using test::largest_difference;
 using test::TempDir;
 
-constexpr int kWidth = 37, kHeight = 23;
+constexpr int kPatternWidth = 37, kPatternHeight = 23;
 
 /// What is read of pictures that are written without loss.
 WholeClip written(const std::vector<image::Image>& pictures, const std::string& pixel_format) {
   const TempDir dir;
-  ClipSpec clip = moving_pattern(kWidth, kHeight, pictures.front().channels, int(pictures.size()));
+  ClipSpec clip =
+      moving_pattern(kPatternWidth, kPatternHeight, pictures.front().channels, int(pictures.size()));
   clip.images = pictures;
   clip.info.pixel_format = pixel_format;
   if (pixel_format.ends_with("10le")) clip.info.depth = 10;
@@ -30,7 +31,7 @@ WholeClip written(const std::vector<image::Image>& pictures, const std::string& 
 TEST(SteadyRounding, SamplesStayUntilTheyAreFarOff) {
   std::vector<image::Image> pictures;
   for (const float level : {100.0F, 100.45F, 100.55F, 100.69F, 100.75F, 100.45F, 100.31F, 100.29F, 7.0F}) {
-    pictures.push_back(image::make_image(kWidth, kHeight, 1));
+    pictures.push_back(image::make_image(kPatternWidth, kPatternHeight, 1));
     std::fill(pictures.back().samples.begin(), pictures.back().samples.end(), level);
   }
   const WholeClip back = written(pictures, "gray");
@@ -44,10 +45,10 @@ class Steady : public testing::TestWithParam<const char*> {};
 
 TEST_P(Steady, WhatHardlyChangesDoesNotFlicker) {
   std::vector<image::Image> pictures;
-  const image::Image still = test::random_picture(kWidth, kHeight, 4, 1);
+  const image::Image still = test::random_picture(kPatternWidth, kPatternHeight, 4, 1);
   for (unsigned i = 0; i < 4; ++i) {
     pictures.push_back(still);
-    const image::Image noise = test::random_picture(kWidth, kHeight, 4, 2 + i);
+    const image::Image noise = test::random_picture(kPatternWidth, kPatternHeight, 4, 2 + i);
     for (std::size_t k = 0; k < still.samples.size(); ++k)
       pictures.back().samples[k] += 0.03F * (noise.samples[k] / 127.5F - 1);
   }
@@ -66,7 +67,7 @@ TEST(SteadyRounding, NoSampleIsFarOff) {
   SCOPED_TRACE("seed " + std::to_string(seed));
   std::mt19937 random(seed);
   std::normal_distribution<float> step(0, 0.2F);
-  std::vector<image::Image> pictures{test::random_picture(kWidth, kHeight, 3, seed)};
+  std::vector<image::Image> pictures{test::random_picture(kPatternWidth, kPatternHeight, 3, seed)};
   for (float& s : pictures[0].samples) s = 20 + s * 0.8F;
   for (int i = 1; i < 12; ++i) {
     pictures.push_back(pictures.back());
