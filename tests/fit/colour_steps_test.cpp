@@ -3,13 +3,14 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "knotreel/base/error.h"
+#include "support/dense.h"
 
 namespace knotreel::fit {
 namespace {
@@ -39,10 +40,10 @@ System quadratic_splines(int n, int channels, std::mt19937_64& random) {
     }
   }
   const Eigen::MatrixXd b = Eigen::MatrixXd::NullaryExpr(3 * n, channels, [&] { return level(random); });
-  const Eigen::MatrixXd matrix = a.transpose() * a;
-  const Eigen::MatrixXd right = a.transpose() * b;
+  const Eigen::MatrixXd matrix = testing::product(a.transpose(), a);
+  const Eigen::MatrixXd right = testing::product(a.transpose(), b);
   return {Eigen::MatrixXd(matrix.triangularView<Eigen::Lower>()).sparseView(), right,
-          matrix.llt().solve(right)};
+          testing::solve_definite(matrix, right)};
 }
 
 std::vector<double> numbers(const RowMajor& m) {
@@ -157,7 +158,7 @@ TEST(ColourSteps, RedAndBlueGoWhereGreenGoes) {
         120, 30;
     const std::vector<double> before{60, 90, 120, 30, 60, 90, 120, 30};
     std::vector<double> control = numbers(wanted);
-    descend_in_steps(diagonal.sparseView(), diagonal * Eigen::MatrixXd(wanted),
+    descend_in_steps(diagonal.sparseView(), testing::product(diagonal, wanted),
                      std::vector<std::uint8_t>(2, 1), before,
                      {kColourStep, std::vector<double>(2, kReluctance)}, control);
     // Of four steps one is the price of leaving, of those of the others 0.75.
@@ -171,7 +172,8 @@ TEST(ColourSteps, RedAndBlueGoWhereGreenGoes) {
 TEST(ColourSteps, StayLongerWhereFewPixelsSpeakForThem) {
   Eigen::MatrixXd diagonal = Eigen::MatrixXd::Identity(10, 10);
   diagonal(4, 4) = 0.01;
-  const System s{diagonal.sparseView(), diagonal * Eigen::MatrixXd::Constant(10, 1, 100), {}};
+  const System s{
+      diagonal.sparseView(), testing::product(diagonal, Eigen::MatrixXd::Constant(10, 1, 100)), {}};
   const std::vector<double> before(10, 99 - 3 * kColourStep);
   std::vector<double> control(10, 100);
   descend_in_steps(s.lower, s.right, std::vector<std::uint8_t>(10, 1), before,

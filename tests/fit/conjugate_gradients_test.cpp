@@ -3,12 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/SparseCholesky>
+#include <Eigen/SparseCore>
 #include <limits>
 #include <random>
 
 #include "fit/reduced_system.h"
 #include "knotreel/base/error.h"
+#include "support/dense.h"
 
 namespace knotreel::fit {
 namespace {
@@ -71,7 +72,8 @@ TEST(ConjugateGradients, FindTheSolutionWhereTheFactorNeedsALargerDiagonal) {
   const Matrix lower = Matrix(dense.sparseView()).triangularView<Eigen::Lower>();
   std::mt19937_64 random(kConjugateGradientsSeed);
   const Eigen::MatrixXd solution = random_numbers(4, 3, 255, random);
-  const auto found = conjugate_gradients(lower, dense * solution, Eigen::MatrixXd::Zero(4, 3));
+  const auto found =
+      conjugate_gradients(lower, testing::product(dense, solution), Eigen::MatrixXd::Zero(4, 3));
   ASSERT_TRUE(found);
   EXPECT_LT((*found - solution).cwiseAbs().maxCoeff(), 0.1);
 }

@@ -3,12 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <map>
 
 #include "fit/fit_cases.h"
 #include "knotreel/base/parallel.h"
 #include "knotreel/fit/pixel_places.h"
+#include "support/dense.h"
 #include "support/models.h"
 
 namespace knotreel::fit {
@@ -177,7 +178,7 @@ TEST_P(Geometry, NoDisplacementIsBetter) {
   const std::vector<Vec2> fitted = fit_geometry(PixelValues(basis, 48, 40, places), places, curves, options);
   Eigen::MatrixXd c(n, 2);
   for (Eigen::Index g = 0; g < n; ++g) c.row(g) << fitted[std::size_t(g)].x, fitted[std::size_t(g)].y;
-  const Eigen::MatrixXd gradient = matrix * c - right + options.ridge * largest * c;
+  const Eigen::MatrixXd gradient = testing::product(matrix, c) - right + options.ridge * largest * c;
   double moved = 0;
   for (Eigen::Index g = 0; g < n; ++g) {
     if (on_border(*space, sites[std::size_t(g)])) {

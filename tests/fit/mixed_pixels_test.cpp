@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/SparseCore>
 
 #include "fit/fit_cases.h"
 #include "fit/mixed_equations.h"

@@ -3,12 +3,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <random>
 
 #include "knotreel/base/error.h"
 #include "knotreel/mesh/predicates.h"
 #include "knots/drawings.h"
+#include "support/dense.h"
 #include "support/mesh_cases.h"
 #include "support/pictures.h"
 
@@ -232,12 +233,12 @@ LinearFit dense_fit(const Target& target, const Triangle& t) {
   }
   a(n, 1) = 1;
   a(n + 1, 2) = 1;
-  const Eigen::MatrixXd solution = a.colPivHouseholderQr().solve(b);
+  const Eigen::MatrixXd solution = knotreel::testing::least_squares(a, b);
   for (int c = 0; c < target.channels(); ++c) {
     fit.value[std::size_t(c)] = solution(0, c);
     fit.gradient[std::size_t(c)] = {solution(1, c), solution(2, c)};
   }
-  fit.error = (a * solution - b).squaredNorm();
+  fit.error = (knotreel::testing::product(a, solution) - b).squaredNorm();
   return fit;
 }
 

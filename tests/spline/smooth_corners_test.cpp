@@ -3,10 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <set>
 
 #include "spline/law_cases.h"
+#include "support/dense.h"
 
 /// What becomes of functions that two multiple corners share; smoothness itself is in continuity_test.cpp.
 namespace knotreel::spline {
@@ -78,7 +79,11 @@ TEST_P(SmoothCorners, WithoutSharedFunctionsBothAreTheSame) {
     if (any) {
       EXPECT_GT(free.cols(), 0);
       // Whatever obeys all corners obeys those that are left.
-      EXPECT_LE((free * (free.transpose() * tied) - tied).cwiseAbs().maxCoeff(), 1e-9) << c.to_text();
+      EXPECT_LE((knotreel::testing::product(free, knotreel::testing::product(free.transpose(), tied)) - tied)
+                    .cwiseAbs()
+                    .maxCoeff(),
+                1e-9)
+          << c.to_text();
       continue;
     }
     ++seen;
