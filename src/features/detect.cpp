@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "knotreel/features/detect.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
@@ -34,6 +35,31 @@ void check(const image::Image& image, const DetectOptions& options) {
   require(options.max_blur >= 0 && std::isfinite(options.max_blur), "the largest blur must not be negative");
 }
 
+/// Whether there is a gradient above a threshold in a cell.
+bool has_edge(const GradientField& field, const Window& cell, float least) {
+  for (int y = cell.top; y < cell.bottom; ++y) {
+    const float* const row = field.magnitude.data() + field.at(0, y);
+    if (std::any_of(row + cell.left, row + cell.right, [&](float m) { return m >= least; })) return true;
+  }
+  return false;
+}
+
+/// Of the cells in the window that are wanted.
+void mark_edges(const GradientField& field, const Window& window, const DetectOptions& options,
+                const CellMask& wanted, CellMask& edges) {
+  constexpr int kSide = CellMask::kSide;
+  const auto least = float(std::min(options.edge_threshold, options.anchor_threshold));
+  for (int top = window.top; top < window.bottom; top += kSide) {
+    for (int left = window.left; left < window.right; left += kSide) {
+      if (!wanted.at_pixel(left, top)) continue;
+      const Window cell{left - window.left, top - window.top,
+                        std::min(left + kSide, window.right) - window.left,
+                        std::min(top + kSide, window.bottom) - window.top};
+      edges.set(left / kSide, top / kSide, has_edge(field, cell, least));
+    }
+  }
+}
+
 }  // namespace
 
 FeatureChains detect_features(const image::Image& image, const DetectOptions& options) {
@@ -41,6 +67,29 @@ FeatureChains detect_features(const image::Image& image, const DetectOptions& op
   const GradientField field = make_gradient_field(image, options);
   FeatureChains chains = extract_chains(draw_edges(field, options), field);
   mark_stepped(image, chains);
+  return chains;
+}
+
+int reach_of_edges(const DetectOptions& options) {
+  return reach_of_gradients(options);
+}
+
+FeatureChains detect_in_window(const image::Image& part, const Window& window, const DetectOptions& options,
+                               const CellMask& wanted, CellMask& edges) {
+  check(part, options);
+  require(part.width == window.width() && part.height == window.height() &&
+              window.left % CellMask::kSide == 0 && window.top % CellMask::kSide == 0,
+          "a window of a picture must begin with a cell and have its pixels");
+  GradientField field = make_gradient_field(part, options);
+  field.origin_x = window.left;
+  field.origin_y = window.top;
+  field.whole_width = wanted.width();
+  field.whole_height = wanted.height();
+  mark_edges(field, window, options, wanted, edges);
+  FeatureChains chains = extract_chains(draw_edges(field, options), field);
+  std::erase_if(chains.chains, [&](const Chain& chain) {
+    return !wanted.at_pixel(chain.points.front().x, chain.points.front().y);
+  });
   return chains;
 }
 

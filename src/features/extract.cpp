@@ -16,8 +16,8 @@ class Extraction {
   Extraction(const LinkMap& map, const GradientField& field) : map_(map), rest_(map), field_(field) {}
 
   FeatureChains run() {
-    result_.width = map_.width();
-    result_.height = map_.height();
+    result_.width = field_.whole_width;
+    result_.height = field_.whole_height;
     node_of_.assign(std::size_t(map_.size()), 0);
     for (int i = 0; i < map_.size(); ++i) {
       if (map_.node(i)) node_of_[std::size_t(i)] = result_.node_count++;
@@ -46,7 +46,9 @@ class Extraction {
     Chain& chain = result_.chains.emplace_back();
     chain.closed = stretch.closed;
     for (const int i : stretch.pixels) {
-      chain.points.push_back({map_.x(i), map_.y(i), refine_position(field_, map_.x(i), map_.y(i))});
+      const int x = map_.x(i);
+      const int y = map_.y(i);
+      chain.points.push_back({field_.origin_x + x, field_.origin_y + y, refine_position(field_, x, y)});
     }
     if (chain.closed) return;
     const int first = stretch.pixels.front();

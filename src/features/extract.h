@@ -8,7 +8,7 @@
 namespace knotreel::features {
 
 /// The chains of a drawing, in the order of their first pixels, nodes before closed chains; positions
-/// refined.
+/// refined. Pixels are those of the whole that the field may be a window of.
 FeatureChains extract_chains(const LinkMap& map, const GradientField& field);
 
 }  // namespace knotreel::features

@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <cmath>
 #include <cstddef>
+#include <cstdint>
+#include <cstring>
 #include <functional>
 #include <numeric>
 #include <vector>
@@ -14,62 +16,55 @@ namespace knotreel::features {
 
 namespace {
 
-/// Pixels by their largest second difference along the row and the column, in any channel. Alpha is one of
-/// them: where it bends, there is an edge to draw; where it does not, it changes nothing.
-struct Differences {
-  std::size_t flat = 0;   ///< at most a level
-  std::size_t small = 0;  ///< up to kSmall
-  std::size_t large = 0;  ///< the others
-  std::size_t sharp = 0;  ///< those of the large ones that are above kSharp
-
-  std::size_t count() const { return flat + small + large; }
-  double sharpness() const {
-    return static_cast<double>(sharp) / static_cast<double>(std::max<std::size_t>(1, large - sharp));
-  }
-};
-
 constexpr float kFlat = 1;  // levels
 constexpr float kSmall = 8;
 constexpr float kSharp = 64;
 
-double flat_share(const Differences& differences) {
+double sharpness(const DifferenceCounts& differences) {
+  const std::size_t others = std::max<std::size_t>(1, differences.large - differences.sharp);
+  return static_cast<double>(differences.sharp) / static_cast<double>(others);
+}
+
+double flat_share(const DifferenceCounts& differences) {
   const std::size_t count = differences.count();
   return count == 0 ? 0 : static_cast<double>(differences.flat) / static_cast<double>(count);
 }
 
 /// The share of the flat ones, and up to 0.2 more where edges are as sharp as those of drawings: where as
 /// many large differences are sharp as are not.
-double drawn_score(const Differences& differences) {
+double drawn_score(const DifferenceCounts& differences) {
   constexpr double kOfSharpEdges = 0.2;
-  return flat_share(differences) + kOfSharpEdges * std::min(1.0, differences.sharpness());
+  return flat_share(differences) + kOfSharpEdges * std::min(1.0, sharpness(differences));
 }
 
-/// Without the pixels at the sides.
-Differences differences_of(const image::Image& image) {
-  if (image.width < 3 || image.height < 3) return {};
+/// Of a row, without the pixels at the sides. @param y neither the first nor the last.
+DifferenceCounts counts_of_row(const image::Image& image, int y) {
   const auto channels = static_cast<std::size_t>(image.channels);
-  const auto columns = static_cast<std::size_t>(image.width - 2);
-  const std::size_t stride = (columns + 2) * channels;
-  std::vector<Differences> rows(static_cast<std::size_t>(image.height - 2));
-  parallel_for(rows.size(), [&](std::size_t row) {
-    const float* pixel = image.samples.data() + (row + 1) * stride + channels;
-    for (std::size_t x = 0; x < columns; ++x, pixel += channels) {
-      float most = 0;
-      for (std::size_t c = 0; c < channels; ++c) {
-        const float* sample = pixel + c;
-        const float along = 2 * *sample - *(sample - channels) - *(sample + channels);
-        const float across = 2 * *sample - *(sample - stride) - *(sample + stride);
-        most = std::max({most, std::abs(along), std::abs(across)});
-      }
-      ++(most <= kFlat ? rows[row].flat : most <= kSmall ? rows[row].small : rows[row].large);
-      if (most > kSharp) ++rows[row].sharp;
+  const std::size_t stride = image.row_size();
+  const float* pixel = image.row(y).data() + channels;
+  DifferenceCounts counts;
+  for (int x = 1; x < image.width - 1; ++x, pixel += channels) {
+    float most = 0;
+    for (std::size_t c = 0; c < channels; ++c) {
+      const float* sample = pixel + c;
+      const float along = 2 * *sample - *(sample - channels) - *(sample + channels);
+      const float across = 2 * *sample - *(sample - stride) - *(sample + stride);
+      most = std::max({most, std::abs(along), std::abs(across)});
     }
-  });
-  return std::accumulate(rows.begin(), rows.end(), Differences(),
-                         [](Differences sum, const Differences& row) {
-                           return Differences{sum.flat + row.flat, sum.small + row.small,
-                                              sum.large + row.large, sum.sharp + row.sharp};
-                         });
+    ++(most <= kFlat ? counts.flat : most <= kSmall ? counts.small : counts.large);
+    if (most > kSharp) ++counts.sharp;
+  }
+  return counts;
+}
+
+/// Rows that have one above and one below.
+std::size_t inner_rows(const image::Image& image) {
+  return image.width < 3 || image.height < 3 ? 0 : static_cast<std::size_t>(image.height - 2);
+}
+
+bool same_row(const image::Image& a, const image::Image& b, std::size_t y) {
+  const auto row = a.row(static_cast<int>(y));
+  return std::memcmp(row.data(), b.row(static_cast<int>(y)).data(), row.size_bytes()) == 0;
 }
 
 /// Share of the pixels that have one of so many most frequent colours, to 8 levels: what pages are drawn on.
@@ -103,8 +98,8 @@ struct SharpEdges {
 
 /// Where codecs leave their traces around all of the letters, hardly anything is flat; but edges are as sharp
 /// as ever.
-bool has_sharp_edges(const Differences& differences, const SharpEdges& least) {
-  return flat_share(differences) >= least.flat && differences.sharpness() >= least.sharpness;
+bool has_sharp_edges(const DifferenceCounts& differences, const SharpEdges& least) {
+  return flat_share(differences) >= least.flat && sharpness(differences) >= least.sharpness;
 }
 
 struct FullPage {
@@ -115,23 +110,51 @@ struct FullPage {
 
 /// Where a page is full of lines, hardly any of its pixels are flat; but all of its edges are sharp, and the
 /// paper has one colour, or paper and ink have two.
-bool is_full_page(const image::Image& image, const Differences& differences, const FullPage& least) {
-  return drawn_score(differences) >= least.score && differences.sharpness() >= least.sharpness &&
+bool is_full_page(const image::Image& image, const DifferenceCounts& differences, const FullPage& least) {
+  return drawn_score(differences) >= least.score && sharpness(differences) >= least.sharpness &&
          ground_share(image, 2) >= least.ground;
 }
 
 }  // namespace
 
+SecondDifferences::SecondDifferences(const image::Image& image) : rows_(inner_rows(image)) {
+  parallel_for(rows_.size(),
+               [&](std::size_t row) { rows_[row] = counts_of_row(image, static_cast<int>(row) + 1); });
+}
+
+SecondDifferences::SecondDifferences(const image::Image& image, const image::Image& before,
+                                     const SecondDifferences& known)
+    : rows_(known.rows_) {
+  std::vector<std::uint8_t> same(static_cast<std::size_t>(image.height));
+  parallel_for(same.size(), [&](std::size_t y) { same[y] = same_row(image, before, y) ? 1 : 0; });
+  parallel_for(rows_.size(), [&](std::size_t row) {
+    if (same[row] && same[row + 1] && same[row + 2]) return;
+    rows_[row] = counts_of_row(image, static_cast<int>(row) + 1);
+  });
+}
+
+DifferenceCounts SecondDifferences::sum() const {
+  return std::accumulate(
+      rows_.begin(), rows_.end(), DifferenceCounts(),
+      [](const DifferenceCounts& a, const DifferenceCounts& b) {
+        return DifferenceCounts{a.flat + b.flat, a.small + b.small, a.large + b.large, a.sharp + b.sharp};
+      });
+}
+
 double flat_share(const image::Image& image) {
-  return flat_share(differences_of(image));
+  return flat_share(SecondDifferences(image).sum());
 }
 
 bool is_drawing(const image::Image& image) {
+  return is_drawing(image, SecondDifferences(image));
+}
+
+bool is_drawing(const image::Image& image, const SecondDifferences& of_rows) {
   constexpr double kDrawnShare = 0.6;   // what is left of films by codecs has 0.5 and less
   constexpr double kDrawnScore = 0.52;  // and this up to 0.48
   constexpr double kScoreOfPage = 0.43;
   constexpr double kGroundOfPage = 0.4;  // of films with this score 0.24 and less
-  const Differences differences = differences_of(image);
+  const DifferenceCounts differences = of_rows.sum();
   const double score = drawn_score(differences);
   if (flat_share(differences) >= kDrawnShare || score >= kDrawnScore) return true;
   if (score >= kScoreOfPage && ground_share(image, 3) >= kGroundOfPage) return true;
@@ -140,16 +163,24 @@ bool is_drawing(const image::Image& image) {
 }
 
 bool may_be_drawing(const image::Image& image) {
+  return may_be_drawing(image, SecondDifferences(image));
+}
+
+bool may_be_drawing(const image::Image& image, const SecondDifferences& of_rows) {
   constexpr double kLeastScore = 0.42;
-  const Differences differences = differences_of(image);
+  const DifferenceCounts differences = of_rows.sum();
   if (drawn_score(differences) >= kLeastScore) return true;
   if (has_sharp_edges(differences, {.flat = 0.12, .sharpness = 0.7})) return true;
   return is_full_page(image, differences, {.score = 0.19, .sharpness = 0.17, .ground = 0.41});
 }
 
 bool is_clean(const image::Image& image) {
+  return is_clean(SecondDifferences(image));
+}
+
+bool is_clean(const SecondDifferences& of_rows) {
   constexpr double kMostSmall = 0.6;  // times the number of large ones
-  const Differences differences = differences_of(image);
+  const DifferenceCounts differences = of_rows.sum();
   return static_cast<double>(differences.small) <= kMostSmall * static_cast<double>(differences.large);
 }
 

@@ -149,7 +149,10 @@ void measure_rows(GradientField& field, int begin, int end, int channels, bool e
 }  // namespace
 
 GradientField make_gradient_field(const image::Image& image, const DetectOptions& options) {
-  GradientField field{&image, image.width, image.height, {}, {}, {}};
+  GradientField field;
+  field.image = &image;
+  field.width = field.whole_width = image.width;
+  field.height = field.whole_height = image.height;
   const std::size_t n = field.pixels();
   const std::vector<float> weights = gaussian(options.smoothing);
   field.smooth.resize(std::size_t(image.channels) * n);
@@ -164,6 +167,10 @@ GradientField make_gradient_field(const image::Image& image, const DetectOptions
     measure_rows(field, begin, end, image.channels, options.euclidean_magnitude);
   });
   return field;
+}
+
+int reach_of_gradients(const DetectOptions& options) {
+  return int(gaussian(options.smoothing).size());
 }
 
 }  // namespace knotreel::features

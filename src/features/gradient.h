@@ -18,6 +18,10 @@ struct GradientField {
   const image::Image* image = nullptr;
   int width = 0;
   int height = 0;
+  int origin_x = 0;  ///< where the picture lies in a larger one that it may be a window of
+  int origin_y = 0;
+  int whole_width = 0;  ///< of that one
+  int whole_height = 0;
   std::vector<float> smooth;          ///< planes; colours times alpha: what is invisible has no edges
   std::vector<float> magnitude;       ///< of the channel that changes most
   std::vector<std::uint8_t> channel;  ///< which one that is; the first of equals
@@ -45,5 +49,8 @@ inline bool is_vertical(Vec2 gradient) {
 
 /// Beyond the sides the picture goes on with the pixels at the sides.
 GradientField make_gradient_field(const image::Image& image, const DetectOptions& options);
+
+/// How many columns or rows away from a pixel there may be others that its gradient hangs on.
+int reach_of_gradients(const DetectOptions& options);
 
 }  // namespace knotreel::features

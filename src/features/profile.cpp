@@ -76,7 +76,7 @@ double edge_offset(const Profile& profile) {
 }  // namespace
 
 Vec2 refine_position(const GradientField& field, int x, int y) {
-  const Vec2 centre{x + 0.5, y + 0.5};
+  const Vec2 centre{field.origin_x + x + 0.5, field.origin_y + y + 0.5};
   const Vec2 g = field.gradient(x, y);
   // A level per ten pixels: no edge, but rounding.
   if (std::max(std::abs(g.x), std::abs(g.y)) < 0.1) return centre;

@@ -6,8 +6,8 @@
 
 namespace knotreel::features {
 
-/// Foot of the perpendicular from the pixel's centre to the edge, in image coordinates; within one pixel of
-/// the centre per axis. The centre where there is no edge.
+/// Foot of the perpendicular from the pixel's centre to the edge, in image coordinates (of the whole that the
+/// field may be a window of); within one pixel of the centre per axis. The centre where there is no edge.
 Vec2 refine_position(const GradientField& field, int x, int y);
 
 /// How softly an edge passes from one side to the other at a pixel.

@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <array>
 #include <cstddef>
-#include <cstring>
 #include <span>
 #include <vector>
 
@@ -15,7 +14,7 @@ namespace knotreel::image {
 namespace {
 
 constexpr int kCorrections = 3;
-constexpr int kReach = 2 * (1 + kCorrections);  // pixels, from what is enlarged to all that it hangs on
+static_assert(kReachOfEnlarging == 2 * (1 + kCorrections));
 // A block, and what it takes to enlarge it, fits into the cache of a core.
 constexpr int kBlockWidth = 128;
 constexpr int kBlockHeight = 64;
@@ -160,8 +159,9 @@ struct Block {
 
   /// With all that it hangs on.
   Block wider(const Image& image) const {
-    return {std::max(0, left - kReach), std::max(0, top - kReach), std::min(image.width, right + kReach),
-            std::min(image.height, bottom + kReach)};
+    return {std::max(0, left - kReachOfEnlarging), std::max(0, top - kReachOfEnlarging),
+            std::min(image.width, right + kReachOfEnlarging),
+            std::min(image.height, bottom + kReachOfEnlarging)};
   }
 };
 
@@ -205,23 +205,6 @@ void set_channel(const Image& plane, const Block& from, int channel, const Block
   }
 }
 
-void copy_block(const Image& source, const Block& block, Image& image) {
-  for (int y = block.top; y < block.bottom; ++y)
-    std::ranges::copy(row_of(source, block, y), row_of(image, block, y).begin());
-}
-
-bool same_block(const Image& a, const Image& b, const Block& block) {
-  for (int y = block.top; y < block.bottom; ++y) {
-    const auto row = row_of(a, block, y);
-    if (std::memcmp(row.data(), row_of(b, block, y).data(), row.size_bytes()) != 0) return false;
-  }
-  return true;
-}
-
-bool same_size(const Image& a, const Image& b) {
-  return a.width == b.width && a.height == b.height && a.channels == b.channels;
-}
-
 /// Where a block is in a picture that begins there, and is enlarged.
 Block twice(const Block& block, int x, int y) {
   return {2 * (block.left - x), 2 * (block.top - y), 2 * (block.right - x), 2 * (block.bottom - y)};
@@ -229,17 +212,12 @@ Block twice(const Block& block, int x, int y) {
 
 }  // namespace
 
-Image enlarge_twofold(const Image& image, const Enlarged* known) {
-  if (known && !same_size(known->original, image)) known = nullptr;
+Image enlarge_twofold(const Image& image) {
   Image result = make_image(2 * image.width, 2 * image.height, image.channels);
   const std::vector<Block> blocks = blocks_of(image);
   parallel_for(blocks.size(), [&](std::size_t b) {
     const Block wider = blocks[b].wider(image);
     const Block place = twice(blocks[b], 0, 0);
-    if (known && same_block(image, known->original, wider)) {
-      copy_block(known->image, place, result);
-      return;
-    }
     for (int c = 0; c < image.channels; ++c)
       set_channel(enlarge_plane(plane_of(image, wider, c)), twice(blocks[b], wider.left, wider.top), c, place,
                   result);

@@ -20,23 +20,34 @@ constexpr double kSlack = 0.3;
 // Curves go where they were found, and what is around them gives way.
 constexpr Sheet kYielding{.stiffness = 0, .elasticity = 0.03, .inertia = 0.001};
 
+features::SecondDifferences differences_of(const image::Image& picture, const KnownDrawing* known) {
+  if (!known || !vectorize::same_size(known->curves.picture, picture))
+    return features::SecondDifferences(picture);
+  return {picture, known->curves.picture, known->differences};
+}
+
 }  // namespace
 
 std::shared_ptr<const DrawnCurves> find_drawn_curves(const image::Image& picture,
                                                      const vectorize::Options& drawn, Drawing how,
                                                      std::shared_ptr<KnownDrawings> known) {
-  if (!features::may_be_drawing(picture)) return nullptr;
   DrawnCurves curves;
-  curves.fine_grid = how == Drawing::kFineGrid;
   curves.known = known ? std::move(known) : std::make_shared<KnownDrawings>();
-  const vectorize::Options suited = vectorize::suited_to(picture, drawn);
-  if (curves.fine_grid) {
-    const std::shared_ptr<const image::Enlarged> enlarged = curves.known->enlarged(picture);
-    curves.found = vectorize::find_curves({enlarged->image, picture}, vectorize::on_fine_grid(suited),
-                                          curves.known->corners());
-  } else {
-    curves.found = vectorize::find_curves({picture, picture}, suited, curves.known->corners());
+  // Any other picture does, whichever was done last.
+  const std::shared_ptr<const KnownDrawing> before = curves.known->last();
+  KnownDrawing now;
+  now.differences = differences_of(picture, before.get());
+  if (!features::may_be_drawing(picture, now.differences)) {
+    curves.known->keep(nullptr);
+    return nullptr;
   }
+  curves.fine_grid = how == Drawing::kFineGrid;
+  vectorize::Options options = vectorize::suited_to(picture, now.differences, drawn);
+  if (curves.fine_grid) options = vectorize::on_fine_grid(options);
+  now.curves = vectorize::find_curves(picture, curves.fine_grid ? 2 : 1, options, curves.known->corners(),
+                                      before ? &before->curves : nullptr);
+  curves.found = now.curves.curves;
+  curves.known->keep(std::make_shared<const KnownDrawing>(std::move(now)));
   return std::make_shared<const DrawnCurves>(std::move(curves));
 }
 

@@ -6,15 +6,22 @@
 #include <span>
 #include <vector>
 
+#include "knotreel/features/flat_share.h"
 #include "knotreel/image/image.h"
 #include "knotreel/mesh/knot_mesh.h"
 #include "knotreel/spline/basis.h"
 #include "knotreel/track/drawn_curves.h"
 #include "knotreel/vectorize/options.h"
 #include "track/fitted_frame.h"
+#include "vectorize/find_curves.h"
 #include "vectorize/mapped_picture.h"
 
 namespace knotreel::track {
+
+struct KnownDrawing {
+  features::SecondDifferences differences;
+  vectorize::KnownCurves curves;  ///< with the picture
+};
 
 struct DrawnCurves {
   vectorize::Curves found;  ///< on their grid

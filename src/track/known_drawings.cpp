@@ -5,17 +5,17 @@
 
 namespace knotreel::track {
 
-std::shared_ptr<const image::Enlarged> KnownDrawings::enlarged(const image::Image& picture) {
-  std::shared_ptr<const image::Enlarged> known;
+std::shared_ptr<const KnownDrawing> KnownDrawings::last() const {
+  const std::lock_guard lock(mutex_);
+  return last_;
+}
+
+void KnownDrawings::keep(std::shared_ptr<const KnownDrawing> drawing) {
   {
     const std::lock_guard lock(mutex_);
-    known = enlarged_;
+    std::swap(last_, drawing);
   }
-  auto result = std::make_shared<const image::Enlarged>(
-      image::Enlarged{picture, image::enlarge_twofold(picture, known.get())});
-  const std::lock_guard lock(mutex_);
-  enlarged_ = result;
-  return result;
+  // What was there before goes here, without the lock.
 }
 
 }  // namespace knotreel::track

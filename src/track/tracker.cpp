@@ -156,6 +156,7 @@ class Tracker::Impl {
     report.knots = frame_.space->mesh().knots.size();
     report.control_points = frame_.space->function_count();
     drawing_ = drawing_of_frame();
+    if (drawing_ == Drawing::kNone) known_drawings_->keep(nullptr);
     return model(picture, report.start != Start::kWarm);
   }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -128,8 +129,14 @@ double expected_functions(const features::FeatureChains& chains) {
   return kFunctionsPerFeaturePixel * static_cast<double>(chain_pixels(chains));
 }
 
-void drop_winding(double max_turning, features::FeatureChains& chains) {
-  std::erase_if(chains.chains, [&](const features::Chain& c) { return turning(c) > max_turning; });
+features::FeatureChains drop_winding(double max_turning, features::FeatureChains& chains) {
+  features::FeatureChains dropped{chains.width, chains.height, {}, chains.node_count};
+  std::vector<features::Chain>& all = chains.chains;
+  const auto first = std::stable_partition(
+      all.begin(), all.end(), [&](const features::Chain& c) { return !(turning(c) > max_turning); });
+  dropped.chains.assign(std::make_move_iterator(first), std::make_move_iterator(all.end()));
+  all.erase(first, all.end());
+  return dropped;
 }
 
 void DroppedFeatures::add(const DroppedFeatures& more) {

@@ -21,7 +21,8 @@ double expected_functions(const features::FeatureChains& chains);
 double mean_range(const image::Image& picture, const features::Chain& chain, int radius, int scale = 1);
 
 /// Drops feature chains that turn by more radians per pixel, in the mean.
-void drop_winding(double max_turning, features::FeatureChains& chains);
+/// @return those that were dropped.
+features::FeatureChains drop_winding(double max_turning, features::FeatureChains& chains);
 
 /// Of the control points, for features; 0 to 1.
 struct FeatureShares {

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "knotreel/base/parallel.h"
-#include "knotreel/features/flat_share.h"
 
 namespace knotreel::vectorize {
 
@@ -59,8 +58,13 @@ bool wants_fine_grid(const image::Image& picture, const Options& options) {
 }
 
 Options suited_to(const image::Image& picture, Options options) {
-  if (options.longest_edge > 0 && !features::is_drawing(picture)) options.longest_edge = 0;
-  if (options.noisy_smoothing == 0 || features::is_clean(picture)) return options;
+  return suited_to(picture, features::SecondDifferences(picture), std::move(options));
+}
+
+Options suited_to(const image::Image& picture, const features::SecondDifferences& differences,
+                  Options options) {
+  if (options.longest_edge > 0 && !features::is_drawing(picture, differences)) options.longest_edge = 0;
+  if (options.noisy_smoothing == 0 || features::is_clean(differences)) return options;
   options.fine_smoothing = options.noisy_smoothing;
   options.drawn_threshold = 0;
   return options;

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "knotreel/features/flat_share.h"
 #include "knotreel/image/image.h"
 #include "vectorize/draft.h"
 #include "vectorize/mapped_picture.h"
@@ -19,6 +20,9 @@ bool wants_fine_grid(const image::Image& picture, const Options& options);
 
 /// The settings without what is for clean pictures only, if this one is not: there, faint edges are noise.
 Options suited_to(const image::Image& picture, Options options);
+/// @param differences of the picture.
+Options suited_to(const image::Image& picture, const features::SecondDifferences& differences,
+                  Options options);
 
 /// The same settings in pixels of half the size.
 Options on_fine_grid(Options options);

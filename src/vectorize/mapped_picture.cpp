@@ -33,18 +33,6 @@ constexpr double kShortestSegment = 0.2;  // that can be told from nothing on gr
 constexpr double kLeastSpace = 0.25;      // from a point of a curve to the next
 constexpr double kSamePlace = 2;          // from a point to where a vertex was
 
-/// Without noise, which thresholds are there for, faint edges are edges, too.
-features::DetectOptions detect_options(const Options& options, bool drawing) {
-  features::DetectOptions detect = options.detect;
-  if (!drawing) return detect;
-  if (detect.max_blur > 0) detect.max_blur = std::max(detect.max_blur, options.drawn_blur);
-  if (options.drawn_threshold > 0 && options.drawn_threshold < detect.edge_threshold) {
-    detect.anchor_threshold *= options.drawn_threshold / detect.edge_threshold;
-    detect.edge_threshold = options.drawn_threshold;
-  }
-  return detect;
-}
-
 param::ParametrizeOptions parametrize_options(const Options& options, bool drawing) {
   param::ParametrizeOptions result = options.parametrize;
   if (!drawing || options.drawn_distance >= result.polyline_distance) return result;
@@ -323,15 +311,29 @@ void map_features(const Grid& grid, const features::FeatureChains& found, const 
   mapping.map();
 }
 
-Curves find_curves(const Grid& grid, const Options& options, features::KnownCorners& known) {
+/// Without noise, which thresholds are there for, faint edges are edges, too.
+features::DetectOptions detect_options(const Options& options, bool drawing) {
+  features::DetectOptions detect = options.detect;
+  if (!drawing) return detect;
+  if (detect.max_blur > 0) detect.max_blur = std::max(detect.max_blur, options.drawn_blur);
+  if (options.drawn_threshold > 0 && options.drawn_threshold < detect.edge_threshold) {
+    detect.anchor_threshold *= options.drawn_threshold / detect.edge_threshold;
+    detect.edge_threshold = options.drawn_threshold;
+  }
+  return detect;
+}
+
+features::FeatureChains faired_curves(const image::Image& picture, const features::FeatureChains& detected,
+                                      const Options& options, features::KnownCorners& known) {
   const Observer nobody;
-  RunLog log(grid.pixels, nobody);
+  RunLog log(picture, nobody);
   log.begin_round("features");
   MappedPicture mapped;
-  Mapping mapping(grid, grid.scale(), true, options, 0, known, log, mapped);
-  mapping.begin(options.features ? detected(grid, options, true) : features::FeatureChains{});
+  Mapping mapping({picture, picture}, features::scale_of(detected, picture), true, options, 0, known, log,
+                  mapped);
+  mapping.begin(detected);
   mapping.fair_and_spread();
-  return {std::move(mapped.detected), std::move(mapped.faired)};
+  return std::move(mapped.faired);
 }
 
 bool map_curves(const image::Image& picture, const Options& options, std::size_t max_functions,

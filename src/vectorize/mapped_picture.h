@@ -57,9 +57,15 @@ struct Curves {
   features::FeatureChains faired;  ///< and spread (features::space_points)
 };
 
-/// @param grid of a drawing, or of a picture behind one (features::may_be_drawing()).
+/// Those of the detection, in pixels as these are.
+features::DetectOptions detect_options(const Options& options, bool drawing);
+
+/// Makes the features of a drawing fair, gives them corners and spreads their points. What comes of a feature
+/// does not hang on others, but for those that share its nodes.
+/// @param picture the original.
 /// @param known of the pictures before, as also for map_curves().
-Curves find_curves(const Grid& grid, const Options& options, features::KnownCorners& known);
+features::FeatureChains faired_curves(const image::Image& picture, const features::FeatureChains& detected,
+                                      const Options& options, features::KnownCorners& known);
 
 /// The same as map_features() without the pixels, which is a part of the work: neither the corrected picture
 /// nor the image mesh is made, and the map has no pixels.

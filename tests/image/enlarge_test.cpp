@@ -108,7 +108,7 @@ TEST(EnlargeTwofold, ThePictureOfOnePixel) {
 TEST(EnlargeTwofold, APartIsEnlargedAsItIsInTheWhole) {
   const Image image = discs(300, 150, 3);
   const Image large = enlarge_twofold(image);
-  constexpr int kLeft = 37, kTop = 21, kReach = 8;
+  constexpr int kLeft = 37, kTop = 21, kReach = kReachOfEnlarging;
   Image part = make_image(200, 110, 3);
   for (int y = 0; y < part.height; ++y)
     for (int x = 0; x < part.width; ++x)
@@ -118,28 +118,6 @@ TEST(EnlargeTwofold, APartIsEnlargedAsItIsInTheWhole) {
     for (int x = 2 * kReach; x < alone.width - 2 * kReach; ++x)
       for (int c = 0; c < 3; ++c)
         ASSERT_EQ(alone.at(x, y, c), large.at(x + 2 * kLeft, y + 2 * kTop, c)) << x << ' ' << y;
-}
-
-TEST(EnlargeTwofold, WhatIsKnownDoesNotShow) {
-  const Image before = discs(300, 150, 3);
-  const Enlarged known{before, enlarge_twofold(before)};
-  Image image = before;
-  for (const int x : {3, 127, 136, 250}) {  // beside the sides of blocks, too
-    for (int c = 0; c < 3; ++c) image.at(x, 63, c) += 90;
-  }
-  EXPECT_EQ(enlarge_twofold(image, &known).samples, enlarge_twofold(image).samples);
-  EXPECT_EQ(enlarge_twofold(before, &known).samples, known.image.samples);
-  // Another size: nothing is known.
-  const Image other = discs(150, 300, 3);
-  EXPECT_EQ(enlarge_twofold(other, &known).samples, enlarge_twofold(other).samples);
-}
-
-/// What is known is not found once more.
-TEST(EnlargeTwofold, WhatIsKnownIsTaken) {
-  const Image image = discs(300, 150, 1);
-  Enlarged known{image, enlarge_twofold(image)};
-  known.image.at(7, 9, 0) = 1000;
-  EXPECT_EQ(enlarge_twofold(image, &known).at(7, 9, 0), 1000);
 }
 
 }  // namespace

@@ -15,6 +15,8 @@ struct CornerOptions {
   /// Root mean square error that one colour for each side of the corner may leave in the pixels around it,
   /// as a share of their difference, > 0.
   double most_error = 0.05;
+
+  bool operator==(const CornerOptions&) const = default;
 };
 
 /// Sharp corners (docs/decisions/0039). The detector smooths the picture: its curves go round corners at up

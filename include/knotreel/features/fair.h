@@ -12,6 +12,8 @@ struct FairOptions {
   bool keep_size = true;    ///< each step is followed by one back [Taubin95], so that curves do not shrink
   double max_shift = 0.05;  ///< px, > 0: no point goes further from where it was
   double max_shift_of_steps = 0.3;  ///< the same, for chains that are stepped
+
+  bool operator==(const FairOptions&) const = default;
 };
 
 /// Smooths the curves by p_i <- (1 - lambda) p_i + lambda/4 (p_{i-2} + p_{i-1} + p_{i+1} + p_{i+2}) (paper

@@ -5,9 +5,11 @@
 #include <mutex>
 
 #include "knotreel/features/known_corners.h"
-#include "knotreel/image/enlarge.h"
 
 namespace knotreel::track {
+
+/// A drawing and what was found in it. Opaque.
+struct KnownDrawing;
 
 /// What find_drawn_curves() has found out about the last drawings, so that it need not find it again where
 /// the next one is the same, bit for bit. Curves are the same with it and without. Safe to use from several
@@ -16,13 +18,15 @@ class KnownDrawings {
  public:
   features::KnownCorners& corners() { return corners_; }
 
-  /// The picture twice as wide and high (image::enlarge_twofold()), which is what is known of then.
-  std::shared_ptr<const image::Enlarged> enlarged(const image::Image& picture);
+  /// The one that was kept last, or null.
+  std::shared_ptr<const KnownDrawing> last() const;
+  /// @param drawing null: there is none any more, and its memory is free.
+  void keep(std::shared_ptr<const KnownDrawing> drawing);
 
  private:
   features::KnownCorners corners_;
-  std::mutex mutex_;
-  std::shared_ptr<const image::Enlarged> enlarged_;  ///< the last one that was asked for
+  mutable std::mutex mutex_;
+  std::shared_ptr<const KnownDrawing> last_;
 };
 
 }  // namespace knotreel::track
