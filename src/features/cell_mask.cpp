@@ -4,6 +4,8 @@
 #include <algorithm>
 #include <utility>
 
+#include "base/tiles_around.h"
+
 namespace knotreel::features {
 namespace {
 
@@ -86,15 +88,7 @@ CellMask::CellMask(int width, int height, bool marked)
 
 CellMask CellMask::wider(int cells) const {
   CellMask result(width_, height_, false);
-  for (int row = 0; row < rows_; ++row) {
-    for (int column = 0; column < columns_; ++column) {
-      if (!at(column, row)) continue;
-      for (int r = std::max(0, row - cells); r <= std::min(rows_ - 1, row + cells); ++r) {
-        for (int c = std::max(0, column - cells); c <= std::min(columns_ - 1, column + cells); ++c)
-          result.set(c, r, true);
-      }
-    }
-  }
+  result.marks_ = tiles_around(marks_, std::size_t(columns_), std::size_t(cells));
   return result;
 }
 

@@ -1,0 +1,162 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "vectorize/find_curves.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <optional>
+#include <random>
+
+#include "vectorize/fine_grid.h"
+
+namespace knotreel::vectorize {
+namespace {
+
+constexpr std::uint64_t kFindCurvesSeed = 20261130;
+constexpr int kDrawingWidth = 240;
+constexpr int kDrawingHeight = 180;
+
+/// A disc or a box in one colour, antialiased by 4 x 4 samples per pixel.
+struct Shape {
+  bool is_disc;
+  double x, y, size;
+  float colour[3];
+};
+
+class RandomDrawing {
+ public:
+  explicit RandomDrawing(std::uint64_t seed) : random_(seed) {
+    for (int i = 0; i < 9; ++i) shapes_.push_back(any_shape());
+  }
+
+  /// Moves a small one about, or changes more of it, now and then all.
+  void change() {
+    switch (random_() % 6) {
+      case 0:
+        shapes_[random_() % shapes_.size()] = any_shape();
+        break;
+      case 1:
+        blot_ = any_shape();
+        break;
+      case 2:
+        blot_.reset();
+        break;
+      case 3:
+        if (random_() % 3 == 0)
+          for (Shape& shape : shapes_) shape = any_shape();
+        break;
+      default:
+        pointer_ = {true, unit() * kDrawingWidth, unit() * kDrawingHeight, 4, {10, 20, 30}};
+    }
+  }
+
+  image::Image picture() const {
+    image::Image image = image::make_image(kDrawingWidth, kDrawingHeight, 3);
+    std::fill(image.samples.begin(), image.samples.end(), 235.0F);
+    for (const Shape& shape : shapes_) draw(shape, image);
+    if (blot_) draw(*blot_, image);
+    draw(pointer_, image);
+    return image;
+  }
+
+ private:
+  double unit() { return static_cast<double>(random_() % 4096) / 4096; }
+
+  Shape any_shape() {
+    Shape shape{random_() % 2 == 0, unit() * kDrawingWidth, unit() * kDrawingHeight, 3 + 18 * unit(), {}};
+    for (float& c : shape.colour) c = static_cast<float>(random_() % 256);
+    return shape;
+  }
+
+  static void draw(const Shape& shape, image::Image& image) {
+    const auto is_inside = [&](double x, double y) {
+      const double u = x - shape.x, v = y - shape.y;
+      return shape.is_disc ? std::hypot(u, v) < shape.size : std::max(std::abs(u), std::abs(v)) < shape.size;
+    };
+    for (int y = 0; y < image.height; ++y) {
+      for (int x = 0; x < image.width; ++x) {
+        int inside = 0;
+        for (int s = 0; s < 16; ++s) inside += is_inside(x + (s % 4 + 0.5) / 4, y + (s / 4 + 0.5) / 4);
+        const float share = static_cast<float>(inside) / 16;
+        for (int c = 0; c < 3; ++c)
+          image.at(x, y, c) = (1 - share) * image.at(x, y, c) + share * shape.colour[c];
+      }
+    }
+  }
+
+  std::mt19937_64 random_;
+  std::vector<Shape> shapes_;
+  std::optional<Shape> blot_;
+  Shape pointer_{true, 50, 50, 4, {10, 20, 30}};
+};
+
+void expect_same(const features::FeatureChains& a, const features::FeatureChains& b) {
+  ASSERT_EQ(a.chains.size(), b.chains.size());
+  EXPECT_EQ(a.width, b.width);
+  EXPECT_EQ(a.height, b.height);
+  EXPECT_EQ(a.node_count, b.node_count);
+  for (std::size_t i = 0; i < a.chains.size(); ++i) {
+    const features::Chain& p = a.chains[i];
+    const features::Chain& q = b.chains[i];
+    ASSERT_EQ(p.points.size(), q.points.size()) << i;
+    EXPECT_EQ(p.closed, q.closed);
+    EXPECT_EQ(p.first_node, q.first_node);
+    EXPECT_EQ(p.last_node, q.last_node);
+    EXPECT_EQ(p.first_on_border, q.first_on_border);
+    EXPECT_EQ(p.last_on_border, q.last_on_border);
+    EXPECT_EQ(p.stepped, q.stepped);
+    for (std::size_t k = 0; k < p.points.size(); ++k) {
+      const features::ChainPoint& u = p.points[k];
+      const features::ChainPoint& v = q.points[k];
+      ASSERT_TRUE(u.x == v.x && u.y == v.y && u.position == v.position && u.beyond == v.beyond &&
+                  u.corner == v.corner && u.rounded == v.rounded && u.preferred == v.preferred)
+          << "chain " << i << ", point " << k;
+    }
+  }
+}
+
+class FindCurves : public ::testing::TestWithParam<int> {
+ protected:
+  /// Curves of the picture with what is known, which it becomes, and without.
+  void compare(const image::Image& picture) {
+    const Options drawn = drawn_video_options(group_preset_options(Preset::kBalanced));
+    const Options options = GetParam() == 2 ? on_fine_grid(drawn) : drawn;
+    features::KnownCorners nobody;
+    const KnownCurves alone = find_curves(picture, GetParam(), options, nobody, nullptr);
+    known_ = find_curves(picture, GetParam(), options, corners_, known_ ? &*known_ : nullptr);
+    expect_same(alone.curves.detected, known_->curves.detected);
+    expect_same(alone.curves.faired, known_->curves.faired);
+    chains_ += alone.curves.faired.chains.size();
+  }
+
+  features::KnownCorners corners_;
+  std::optional<KnownCurves> known_;
+  std::size_t chains_ = 0;
+};
+
+TEST_P(FindCurves, WhatIsKnownDoesNotShow) {
+  for (std::uint64_t seed = kFindCurvesSeed; seed < kFindCurvesSeed + 4; ++seed) {
+    RandomDrawing drawing(seed);
+    for (int step = 0; step < 12 && !HasFailure(); ++step) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", step " + std::to_string(step));
+      compare(drawing.picture());
+      drawing.change();
+    }
+  }
+  EXPECT_GT(chains_, 100U);
+}
+
+TEST_P(FindCurves, NothingIsKnownOfAnotherSize) {
+  const image::Image large = RandomDrawing(1).picture();
+  image::Image small = image::make_image(kDrawingWidth / 2, kDrawingHeight, 3);
+  for (int y = 0; y < small.height; ++y)
+    std::copy_n(large.row(y).begin(), small.row_size(), small.row(y).begin());
+  compare(large);
+  compare(small);
+  compare(large);
+}
+
+INSTANTIATE_TEST_SUITE_P(Grids, FindCurves, ::testing::Values(1, 2));
+
+}  // namespace
+}  // namespace knotreel::vectorize
