@@ -95,7 +95,7 @@ void render_picture(const RenderArguments& arguments, document::Reader& reader, 
 }
 
 /// Options that would be without effect are refused: a picture of another frame looks right.
-void check_kind_of_drawing(const CLI::App& command, bool video) {
+void check_rendering_kind(const CLI::App& command, bool video) {
   if (video && command.count("--frame") > 0)
     refuse_rendering("--frame is for one picture; use --frames for a video");
   if (video) return;
@@ -108,7 +108,7 @@ void check_kind_of_drawing(const CLI::App& command, bool video) {
 
 /// Everything that can be told before the document is read.
 void check_arguments(const CLI::App& command, const RenderArguments& arguments, bool video) {
-  check_kind_of_drawing(command, video);
+  check_rendering_kind(command, video);
   if (arguments.format.empty()) check_rendering_name(arguments.output, "copy");
   check_output_size(arguments.scale, arguments.size);
   if (!arguments.crop.empty()) parse_rect("--crop", arguments.crop);

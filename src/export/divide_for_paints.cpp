@@ -12,7 +12,7 @@ namespace knotreel::exporting {
 namespace {
 
 constexpr double kShortestHalfEdge = 1;  // pixels of the picture
-constexpr std::size_t kEdgesPerCheck = 1 << 16;
+constexpr std::size_t kTrianglesPerCheck = 1 << 16;
 
 class Divider {
  public:
@@ -25,7 +25,7 @@ class Divider {
     std::vector<std::uint32_t> open(t_.triangles.size());
     for (std::uint32_t i = 0; i < open.size(); ++i) open[i] = i;
     for (std::size_t step = 0; !open.empty(); ++step) {
-      if (step % kEdgesPerCheck == 0 && checkpoint) checkpoint();
+      if (step % kTrianglesPerCheck == 0 && checkpoint) checkpoint();
       const std::uint32_t i = open.back();
       open.pop_back();
       const std::uint32_t h = longest(i);

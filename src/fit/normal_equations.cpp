@@ -277,7 +277,7 @@ struct Entry {
 
 constexpr std::size_t kEntriesPerRow = 16;  // more than there are nearly always
 
-/// BlockRows of the matrix, one after the other.
+/// Rows of the matrix, one after the other.
 struct BlockRows {
   std::vector<Entry> entries;
   std::vector<std::size_t> ends;
