@@ -136,15 +136,15 @@ TEST(ScreenedTutte, SmallGridsWork) {
 
 /// A part of a picture is solved for, once more when some of it is given anew, and the rest is left alone.
 TEST(ScreenedTutte, SolvesAgainAroundWhatIsGivenAnew) {
-  for (unsigned seed = 1; seed <= 4; ++seed) {
-    for (const double decay : {0.0, 3.0, 16.0}) {
-      Problem p = chain_problem(300, 260, 6, seed, decay);
+  for (unsigned seed = 1; seed <= 2; ++seed) {
+    for (const double decay : {0.0, 3.0, 8.0}) {
+      Problem p = chain_problem(150, 110, 4, seed, decay);
       ScreenedTutte solver(p.width, p.height, p.fixed, p.decay);
       std::vector<std::int32_t> given = given_pixels(p);
       Framed<Quad> field = p.field;
       solver.solve(field, 1e-3, given);
       std::mt19937 random(seed);
-      for (int round = 0; round < 4; ++round) {
+      for (int round = 0; round < 2; ++round) {
         std::shuffle(given.begin(), given.end(), random);
         const std::vector<std::int32_t> changed(given.begin(), given.begin() + 5);
         for (const std::int32_t pixel : changed) {
@@ -161,13 +161,13 @@ TEST(ScreenedTutte, SolvesAgainAroundWhatIsGivenAnew) {
 }
 
 TEST(ScreenedTutte, LeavesWhatIsFarAwayAtRest) {
-  Problem p{2000, 40, std::vector<std::uint8_t>(2000 * 40, 0), Framed<Quad>(2000, 40), 16};
-  p.fixed[20 * 2000 + 100] = 1;
-  p.field.at(100, 20) = Quad{3, 3, 3, 3};
+  Problem p{900, 12, std::vector<std::uint8_t>(900 * 12, 0), Framed<Quad>(900, 12), 16};
+  p.fixed[6 * 900 + 100] = 1;
+  p.field.at(100, 6) = Quad{3, 3, 3, 3};
   const Problem given = p;
   ScreenedTutte(p.width, p.height, p.fixed, p.decay).solve(p.field, 1e-3, given_pixels(p));
   EXPECT_LT(error_against_direct(given, p.field), 1e-3);
-  for (int x = 1000; x < 2000; ++x) EXPECT_EQ(largest(p.field.at(x, 20)), 0) << x;
+  for (int x = 500; x < 900; ++x) EXPECT_EQ(largest(p.field.at(x, 6)), 0) << x;
 }
 
 TEST(ScreenedTutte, NothingGivenAnewChangesNothing) {
