@@ -19,9 +19,6 @@ using features::CellMask;
 using features::FeatureChains;
 using features::Window;
 
-// Of the grid's pixels, in windows: where most has changed, a single window takes less.
-constexpr double kMostInWindows = 0.6;
-
 CurveRules rules_of(const Options& options, int scale) {
   return {.scale = scale,
           .features = options.features,
@@ -75,10 +72,6 @@ Parts where_changed(const KnownCurves& known, const image::Image& picture) {
   const features::Reached reached = features::reach(touched, known.edges, features::kEdgesApart);
   std::vector<Window> windows = features::windows_around(
       reached.boxes, (features::kEdgesApart + cells) * CellMask::kSide, touched.width(), touched.height());
-  double pixels = 0;
-  for (const Window& w : windows) pixels += double(w.width()) * double(w.height());
-  if (pixels > kMostInWindows * double(touched.width()) * double(touched.height()))
-    return everywhere(picture, scale);
   return {reached.cells.wider(1), std::move(windows)};
 }
 
