@@ -58,6 +58,7 @@ bool wants_fine_grid(const image::Image& picture, const Options& options) {
 }
 
 Options suited_to(const image::Image& picture, Options options) {
+  if (options.longest_edge == 0 && options.noisy_smoothing == 0) return options;
   return suited_to(picture, features::SecondDifferences(picture), std::move(options));
 }
 
