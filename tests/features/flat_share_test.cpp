@@ -167,5 +167,28 @@ TEST(IsClean, SoftEdgesAreNot) {
   EXPECT_FALSE(is_clean(testing::draw(64, 64, soft)));
 }
 
+void expect_same(const DifferenceCounts& a, const DifferenceCounts& b) {
+  EXPECT_EQ(a.flat, b.flat);
+  EXPECT_EQ(a.small, b.small);
+  EXPECT_EQ(a.large, b.large);
+  EXPECT_EQ(a.sharp, b.sharp);
+}
+
+TEST(SecondDifferences, WhatIsKnownOfRowsDoesNotShow) {
+  SCOPED_TRACE(kNoiseSeed);
+  std::mt19937 random(kNoiseSeed);
+  image::Image picture = testing::disc(64, 31.7, 32.2, 20);
+  SecondDifferences known(picture);
+  for (int i = 0; i < 40; ++i) {
+    const image::Image before = picture;
+    for (unsigned k = random() % 4; k > 0; --k) {  // at the sides, too
+      const int y = i % 3 == 0 ? 63 * int(random() % 2) : int(random() % 64);
+      picture.at(int(random() % 64), y, 0) += 30;
+    }
+    known = SecondDifferences(picture, before, known);
+    expect_same(known.sum(), SecondDifferences(picture).sum());
+  }
+}
+
 }  // namespace
 }  // namespace knotreel::features

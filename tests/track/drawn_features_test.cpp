@@ -10,9 +10,11 @@
 #include <span>
 #include <string>
 
+#include "knotreel/base/parallel.h"
 #include "knotreel/fit/geometry_fit.h"
 #include "knotreel/spline/space.h"
 #include "support/drawn_scene.h"
+#include "support/pictures.h"
 
 namespace knotreel::track {
 namespace {
@@ -181,6 +183,37 @@ TEST(DrawnFeatures, APictureWithoutFeaturesHasTheDomainAlone) {
   EXPECT_TRUE(features.knots().segments.empty());
   const spline::Basis basis(std::make_shared<const spline::SplineSpace>(features.knots(), 2));
   for (const Vec2 d : features.displacement(basis, 0.95, 1.0 / 16)) EXPECT_EQ(d, Vec2{});
+}
+
+/// Whichever picture was done last, and whatever is done beside it.
+TEST(DrawnCurves, OfSeveralFramesAtOnceAreThoseOfEachAlone) {
+  const std::vector<image::Image> pictures = test::drawn_clip(8);
+  const auto known = std::make_shared<KnownDrawings>();
+  std::vector<std::shared_ptr<const DrawnCurves>> found(pictures.size());
+  parallel_for(pictures.size(), [&](std::size_t i) {
+    found[i] = find_drawn_curves(pictures[i], options(), Drawing::kFineGrid, known);
+  });
+  for (std::size_t i = 0; i < pictures.size(); ++i) {
+    const auto alone = find_drawn_curves(pictures[i], options(), Drawing::kFineGrid);
+    const std::vector<features::Chain>& chains = alone->found.faired.chains;
+    ASSERT_EQ(found[i]->found.faired.chains.size(), chains.size()) << i;
+    for (std::size_t c = 0; c < chains.size(); ++c) {
+      EXPECT_TRUE(std::ranges::equal(found[i]->found.faired.chains[c].points, chains[c].points,
+                                     [](const features::ChainPoint& a, const features::ChainPoint& b) {
+                                       return a.position == b.position && a.beyond == b.beyond;
+                                     }))
+          << i << ' ' << c;
+    }
+  }
+}
+
+TEST(DrawnCurves, AreForgottenWhereTheClipIsNoDrawing) {
+  const auto known = std::make_shared<KnownDrawings>();
+  ASSERT_NE(find_drawn_curves(drawing(40, 40), options(), Drawing::kPlain, known), nullptr);
+  EXPECT_NE(known->last(), nullptr);
+  EXPECT_EQ(find_drawn_curves(test::random_picture(64, 48, 3, 1), options(), Drawing::kPlain, known),
+            nullptr);
+  EXPECT_EQ(known->last(), nullptr);
 }
 
 }  // namespace

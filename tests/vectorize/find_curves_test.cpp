@@ -16,10 +16,10 @@ constexpr std::uint64_t kFindCurvesSeed = 20261130;
 constexpr int kDrawingWidth = 240;
 constexpr int kDrawingHeight = 180;
 
-/// A disc or a box in one colour, antialiased by 4 x 4 samples per pixel.
+/// An ellipse or a box in one colour, antialiased by 4 x 4 samples per pixel.
 struct Shape {
-  bool is_disc;
-  double x, y, size;
+  bool is_round;
+  double x, y, width, height;  ///< from its middle
   float colour[3];
 };
 
@@ -31,7 +31,7 @@ class RandomDrawing {
 
   /// Moves a small one about, or changes more of it, now and then all.
   void change() {
-    switch (random_() % 6) {
+    switch (random_() % 8) {
       case 0:
         shapes_[random_() % shapes_.size()] = any_shape();
         break;
@@ -45,8 +45,14 @@ class RandomDrawing {
         if (random_() % 3 == 0)
           for (Shape& shape : shapes_) shape = any_shape();
         break;
+      case 4:  // all move
+        for (Shape& shape : shapes_) shape.y += 3;
+        break;
+      case 5:
+        shapes_[0].colour[0] += shapes_[0].colour[0] < 200 ? 2.0F : -2.0F;
+        break;
       default:
-        pointer_ = {true, unit() * kDrawingWidth, unit() * kDrawingHeight, 4, {10, 20, 30}};
+        pointer_ = {true, unit() * kDrawingWidth, unit() * kDrawingHeight, 4, 4, {10, 20, 30}};
     }
   }
 
@@ -63,15 +69,16 @@ class RandomDrawing {
   double unit() { return static_cast<double>(random_() % 4096) / 4096; }
 
   Shape any_shape() {
-    Shape shape{random_() % 2 == 0, unit() * kDrawingWidth, unit() * kDrawingHeight, 3 + 18 * unit(), {}};
+    Shape shape{random_() % 2 == 0, unit() * kDrawingWidth, unit() * kDrawingHeight, 3 + 18 * unit(), 0, {}};
+    shape.height = random_() % 2 == 0 ? shape.width : 1 + 2 * unit();  // lines, too
     for (float& c : shape.colour) c = static_cast<float>(random_() % 256);
     return shape;
   }
 
   static void draw(const Shape& shape, image::Image& image) {
     const auto is_inside = [&](double x, double y) {
-      const double u = x - shape.x, v = y - shape.y;
-      return shape.is_disc ? std::hypot(u, v) < shape.size : std::max(std::abs(u), std::abs(v)) < shape.size;
+      const double u = std::abs(x - shape.x) / shape.width, v = std::abs(y - shape.y) / shape.height;
+      return (shape.is_round ? std::hypot(u, v) : std::max(u, v)) < 1;
     };
     for (int y = 0; y < image.height; ++y) {
       for (int x = 0; x < image.width; ++x) {
@@ -87,7 +94,7 @@ class RandomDrawing {
   std::mt19937_64 random_;
   std::vector<Shape> shapes_;
   std::optional<Shape> blot_;
-  Shape pointer_{true, 50, 50, 4, {10, 20, 30}};
+  Shape pointer_{true, 50, 50, 4, 4, {10, 20, 30}};
 };
 
 void expect_same(const features::FeatureChains& a, const features::FeatureChains& b) {
@@ -115,20 +122,36 @@ void expect_same(const features::FeatureChains& a, const features::FeatureChains
   }
 }
 
+/// The same in grey, or with alpha that is less where there is more red.
+image::Image with_channels(const image::Image& image, int channels) {
+  image::Image result = image::make_image(image.width, image.height, channels);
+  for (int y = 0; y < image.height; ++y) {
+    for (int x = 0; x < image.width; ++x) {
+      for (int c = 0; c < std::min(3, channels); ++c) result.at(x, y, c) = image.at(x, y, c);
+      if (channels == 4) result.at(x, y, 3) = 255 - image.at(x, y, 0) / 2;
+    }
+  }
+  return result;
+}
+
 class FindCurves : public ::testing::TestWithParam<int> {
  protected:
   /// Curves of the picture with what is known, which it becomes, and without.
   void compare(const image::Image& picture) {
-    const Options drawn = drawn_video_options(group_preset_options(Preset::kBalanced));
-    const Options options = GetParam() == 2 ? on_fine_grid(drawn) : drawn;
+    const Options options = GetParam() == 2 ? on_fine_grid(drawn_) : drawn_;
     features::KnownCorners nobody;
     const KnownCurves alone = find_curves(picture, GetParam(), options, nobody, nullptr);
     known_ = find_curves(picture, GetParam(), options, corners_, known_ ? &*known_ : nullptr);
     expect_same(alone.curves.detected, known_->curves.detected);
     expect_same(alone.curves.faired, known_->curves.faired);
+    expect_same(alone.winding, known_->winding);
+    for (int row = 0; row < alone.edges.rows(); ++row)
+      for (int column = 0; column < alone.edges.columns(); ++column)
+        ASSERT_EQ(alone.edges.at(column, row), known_->edges.at(column, row)) << column << ' ' << row;
     chains_ += alone.curves.faired.chains.size();
   }
 
+  Options drawn_ = drawn_video_options(group_preset_options(Preset::kBalanced));
   features::KnownCorners corners_;
   std::optional<KnownCurves> known_;
   std::size_t chains_ = 0;
@@ -140,6 +163,21 @@ TEST_P(FindCurves, WhatIsKnownDoesNotShow) {
     for (int step = 0; step < 10 && !HasFailure(); ++step) {
       SCOPED_TRACE("seed " + std::to_string(seed) + ", step " + std::to_string(step));
       compare(drawing.picture());
+      drawing.change();
+    }
+  }
+  EXPECT_GT(chains_, 50U);
+}
+
+TEST_P(FindCurves, WhatIsKnownDoesNotShowWithOtherChannelsAndOptions) {
+  for (std::uint64_t seed = kFindCurvesSeed; seed < kFindCurvesSeed + 2; ++seed) {
+    RandomDrawing drawing(seed);
+    for (int step = 0; step < 6 && !HasFailure(); ++step) {
+      SCOPED_TRACE("seed " + std::to_string(seed) + ", step " + std::to_string(step));
+      // As long as these stay the same, something is known.
+      drawn_.max_turning = step < 3 ? 0.1 : 0;
+      drawn_.detect.smoothing = seed % 2 == 0 ? 0 : 2.2;
+      compare(with_channels(drawing.picture(), seed % 2 == 0 ? 1 : 4));
       drawing.change();
     }
   }
