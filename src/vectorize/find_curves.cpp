@@ -126,7 +126,7 @@ KnownCurves find_curves(const image::Image& picture, int scale, const Options& o
   result.edges = known ? known->edges : parts.cells;
   FeatureChains& detected = result.curves.detected;
   detected = detect(picture, parts, result.rules, result.edges);
-  result.winding = {detected.width, detected.height, {}, 0};
+  result.winding = {detected.width, detected.height, {}, detected.node_count};
   if (options.max_turning > 0) result.winding = drop_winding(options.max_turning, detected);
   result.curves.faired = faired_curves(picture, detected, options, corners);
   if (!known) return result;
