@@ -59,6 +59,7 @@ class RandomDrawing {
   image::Image picture() const {
     image::Image image = image::make_image(kDrawingWidth, kDrawingHeight, 3);
     std::fill(image.samples.begin(), image.samples.end(), 235.0F);
+    add_grain(image);
     for (const Shape& shape : shapes_) draw(shape, image);
     if (blot_) draw(*blot_, image);
     draw(pointer_, image);
@@ -66,6 +67,12 @@ class RandomDrawing {
   }
 
  private:
+  /// Too faint for edges, but where the ground is flat nothing shows that a window is too small.
+  static void add_grain(image::Image& image) {
+    std::mt19937 random(1);
+    for (float& sample : image.samples) sample += static_cast<float>(random() % 256) / 1024;
+  }
+
   double unit() { return static_cast<double>(random_() % 4096) / 4096; }
 
   Shape any_shape() {
