@@ -13,15 +13,6 @@ int cells_of(int pixels) {
   return (pixels + CellMask::kSide - 1) / CellMask::kSide;
 }
 
-bool overlap(const Window& a, const Window& b) {
-  return a.left < b.right && b.left < a.right && a.top < b.bottom && b.top < a.bottom;
-}
-
-Window around_both(const Window& a, const Window& b) {
-  return {std::min(a.left, b.left), std::min(a.top, b.top), std::max(a.right, b.right),
-          std::max(a.bottom, b.bottom)};
-}
-
 /// Goes from cell to cell.
 class Spreading {
  public:
@@ -46,13 +37,13 @@ class Spreading {
   };
 
   /// @return the box of the group.
-  Window spread(int column, int row) {
-    Window box{column, row, column + 1, row + 1};
+  PixelBox spread(int column, int row) {
+    PixelBox box{column, row, column + 1, row + 1};
     add(column, row);
     while (!open_.empty()) {
       const Cell cell = open_.back();
       open_.pop_back();
-      box = around_both(box, {cell.column, cell.row, cell.column + 1, cell.row + 1});
+      box = around(box, {cell.column, cell.row, cell.column + 1, cell.row + 1});
       for (int r = std::max(0, cell.row - step_); r <= std::min(from_.rows() - 1, cell.row + step_); ++r) {
         for (int c = std::max(0, cell.column - step_);
              c <= std::min(from_.columns() - 1, cell.column + step_); ++c) {
@@ -96,23 +87,9 @@ Reached reach(const CellMask& from, const CellMask& marked, int step) {
   return Spreading(from, marked, step).run();
 }
 
-std::vector<Window> windows_around(const std::vector<Window>& boxes, int margin, int width, int height) {
-  std::vector<Window> windows;
-  for (const Window& box : boxes) {
-    Window window{std::max(0, box.left - margin), std::max(0, box.top - margin),
-                  std::min(width, box.right + margin), std::min(height, box.bottom + margin)};
-    // Whatever it meets becomes a part of it, and then it may meet others.
-    for (std::size_t i = 0; i < windows.size();) {
-      if (!overlap(window, windows[i])) {
-        ++i;
-        continue;
-      }
-      window = around_both(window, windows[i]);
-      windows.erase(windows.begin() + std::ptrdiff_t(i));
-      i = 0;
-    }
-    windows.push_back(window);
-  }
+std::vector<PixelBox> windows_around(const std::vector<PixelBox>& boxes, int margin, int width, int height) {
+  std::vector<PixelBox> windows;
+  for (const PixelBox& box : boxes) add_apart(with_margin(box, margin, width, height), windows);
   return windows;
 }
 

@@ -36,7 +36,7 @@ void check(const image::Image& image, const DetectOptions& options) {
 }
 
 /// Whether there is a gradient above a threshold in a cell.
-bool has_edge(const GradientField& field, const Window& cell, float least) {
+bool has_edge(const GradientField& field, const PixelBox& cell, float least) {
   for (int y = cell.top; y < cell.bottom; ++y) {
     const float* const row = field.magnitude.data() + field.at(0, y);
     if (std::any_of(row + cell.left, row + cell.right, [&](float m) { return m >= least; })) return true;
@@ -45,16 +45,16 @@ bool has_edge(const GradientField& field, const Window& cell, float least) {
 }
 
 /// Of the cells in the window that are wanted.
-void mark_edges(const GradientField& field, const Window& window, const DetectOptions& options,
+void mark_edges(const GradientField& field, const PixelBox& window, const DetectOptions& options,
                 const CellMask& wanted, CellMask& edges) {
   constexpr int kSide = CellMask::kSide;
   const auto least = float(std::min(options.edge_threshold, options.anchor_threshold));
   for (int top = window.top; top < window.bottom; top += kSide) {
     for (int left = window.left; left < window.right; left += kSide) {
       if (!wanted.at_pixel(left, top)) continue;
-      const Window cell{left - window.left, top - window.top,
-                        std::min(left + kSide, window.right) - window.left,
-                        std::min(top + kSide, window.bottom) - window.top};
+      const PixelBox cell{left - window.left, top - window.top,
+                          std::min(left + kSide, window.right) - window.left,
+                          std::min(top + kSide, window.bottom) - window.top};
       edges.set(left / kSide, top / kSide, has_edge(field, cell, least));
     }
   }
@@ -74,7 +74,7 @@ int reach_of_edges(const DetectOptions& options) {
   return reach_of_gradients(options);
 }
 
-FeatureChains detect_in_window(const image::Image& part, const Window& window, const DetectOptions& options,
+FeatureChains detect_in_window(const image::Image& part, const PixelBox& window, const DetectOptions& options,
                                const CellMask& wanted, CellMask& edges) {
   check(part, options);
   require(part.width == window.width() && part.height == window.height() &&

@@ -3,10 +3,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <cstring>
 
 #include "knotreel/base/error.h"
-#include "knotreel/base/parallel.h"
 
 namespace knotreel::motion {
 
@@ -17,31 +15,6 @@ int cells(int pixels) {
 }
 
 }  // namespace
-
-std::vector<std::uint8_t> unchanged_cells(const image::Image& before, const image::Image& now) {
-  if (before.width != now.width || before.height != now.height || before.channels != now.channels)
-    throw Error(ErrorKind::kInvalidArgument, "two pictures of a video differ in size");
-  image::check_image(before);
-  image::check_image(now);
-  const auto columns = static_cast<std::size_t>(cells(now.width));
-  const auto rows = static_cast<std::size_t>(cells(now.height));
-  std::vector<std::uint8_t> result(columns * rows, 1);
-  const std::size_t row_size = now.row_size();
-  const auto cell_size = static_cast<std::size_t>(kCellSide * now.channels);
-  parallel_for(rows, [&](std::size_t row) {
-    const std::size_t last = std::min((row + 1) * kCellSide, static_cast<std::size_t>(now.height));
-    for (std::size_t y = row * kCellSide; y < last; ++y) {
-      const float* const a = before.samples.data() + y * row_size;
-      const float* const b = now.samples.data() + y * row_size;
-      for (std::size_t c = 0; c < columns; ++c) {
-        const std::size_t from = c * cell_size;
-        const std::size_t bytes = (std::min(from + cell_size, row_size) - from) * sizeof(float);
-        if (std::memcmp(a + from, b + from, bytes) != 0) result[row * columns + c] = 0;
-      }
-    }
-  });
-  return result;
-}
 
 void Rest::start(int width, int height) {
   columns_ = cells(width);

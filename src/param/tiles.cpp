@@ -3,6 +3,8 @@
 
 #include <algorithm>
 
+#include "base/tiles_around.h"
+
 namespace knotreel::param {
 
 bool Tiles::any() const {
@@ -15,14 +17,7 @@ void Tiles::add(const Tiles& others) {
 
 Tiles Tiles::grown(int tiles) const {
   Tiles result = *this;
-  for (int y = 0; y < rows_; ++y) {
-    for (int x = 0; x < columns_; ++x) {
-      if (!has(x, y)) continue;
-      for (int v = std::max(0, y - tiles); v <= std::min(rows_ - 1, y + tiles); ++v) {
-        for (int u = std::max(0, x - tiles); u <= std::min(columns_ - 1, x + tiles); ++u) result.add(u, v);
-      }
-    }
-  }
+  result.chosen_ = tiles_around(chosen_, static_cast<std::size_t>(columns_), static_cast<std::size_t>(tiles));
   return result;
 }
 

@@ -2,13 +2,14 @@
 #include "vectorize/find_curves.h"
 
 #include <algorithm>
-#include <cstring>
+#include <cstdint>
 #include <iterator>
 #include <utility>
 #include <vector>
 
 #include "knotreel/features/chain_order.h"
 #include "knotreel/image/enlarge.h"
+#include "knotreel/image/same_cells.h"
 #include "vectorize/feature_budget.h"
 
 namespace knotreel::vectorize {
@@ -17,7 +18,6 @@ namespace {
 
 using features::CellMask;
 using features::FeatureChains;
-using features::Window;
 
 CurveRules rules_of(const Options& options, int scale) {
   return {.scale = scale,
@@ -33,17 +33,10 @@ CurveRules rules_of(const Options& options, int scale) {
 /// Cells of the grid with pixels that are not the same, bit for bit. @param scale of the grid.
 CellMask changed_cells(const image::Image& a, const image::Image& b, int scale) {
   CellMask changed(scale * a.width, scale * a.height, false);
-  const std::size_t cell = std::size_t(CellMask::kSide / scale) * std::size_t(a.channels);
-  for (int y = 0; y < a.height; ++y) {
-    const auto row_a = a.row(y);
-    const auto row_b = b.row(y);
-    if (std::memcmp(row_a.data(), row_b.data(), row_a.size_bytes()) == 0) continue;
-    for (int column = 0; column < changed.columns(); ++column) {
-      const std::size_t from = std::size_t(column) * cell;
-      const std::size_t bytes = (std::min(from + cell, row_a.size()) - from) * sizeof(float);
-      if (std::memcmp(&row_a[from], &row_b[from], bytes) != 0)
-        changed.set(column, scale * y / CellMask::kSide, true);
-    }
+  const std::vector<std::uint8_t> same = image::same_cells(a, b, CellMask::kSide / scale);
+  for (int row = 0, i = 0; row < changed.rows(); ++row) {
+    for (int column = 0; column < changed.columns(); ++column, ++i)
+      changed.set(column, row, same[std::size_t(i)] == 0);
   }
   return changed;
 }
@@ -51,7 +44,7 @@ CellMask changed_cells(const image::Image& a, const image::Image& b, int scale) 
 /// Where features are found anew.
 struct Parts {
   CellMask cells;
-  std::vector<Window> windows;  ///< with all that these hang on
+  std::vector<PixelBox> windows;  ///< with all that these hang on
 };
 
 Parts everywhere(const image::Image& picture, int scale) {
@@ -70,13 +63,13 @@ Parts where_changed(const KnownCurves& known, const image::Image& picture) {
   const int cells = (reach + CellMask::kSide - 1) / CellMask::kSide;
   const CellMask touched = changed_cells(known.picture, picture, scale).wider(cells);
   const features::Reached reached = features::reach(touched, known.edges, features::kEdgesApart);
-  std::vector<Window> windows = features::windows_around(
+  std::vector<PixelBox> windows = features::windows_around(
       reached.boxes, (features::kEdgesApart + cells) * CellMask::kSide, touched.width(), touched.height());
   return {reached.cells.wider(1), std::move(windows)};
 }
 
 /// The pixels of a window of the grid. @param picture the original.
-image::Image part_of(const image::Image& picture, const Window& window, int scale) {
+image::Image part_of(const image::Image& picture, const PixelBox& window, int scale) {
   image::Image part = image::make_image(window.width() / scale, window.height() / scale, picture.channels);
   const std::size_t from = std::size_t(window.left / scale) * std::size_t(picture.channels);
   for (int y = 0; y < part.height; ++y)
@@ -89,7 +82,7 @@ image::Image part_of(const image::Image& picture, const Window& window, int scal
 FeatureChains detect(const image::Image& picture, const Parts& parts, const CurveRules& rules,
                      CellMask& edges) {
   FeatureChains found{parts.cells.width(), parts.cells.height(), {}, 0};
-  for (const Window& window : parts.windows) {
+  for (const PixelBox& window : parts.windows) {
     FeatureChains here = features::detect_in_window(part_of(picture, window, rules.scale), window,
                                                     rules.detect, parts.cells, edges);
     std::ranges::move(here.chains, std::back_inserter(found.chains));

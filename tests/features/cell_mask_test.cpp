@@ -67,7 +67,7 @@ CellMask slow_reach(const CellMask& from, const CellMask& marked, int step) {
   return reached;
 }
 
-bool holds(const Window& window, int column, int row) {
+bool holds(const PixelBox& window, int column, int row) {
   const int x = CellMask::kSide * column, y = CellMask::kSide * row;
   return window.left <= x && x < window.right && window.top <= y && y < window.bottom;
 }
@@ -84,16 +84,16 @@ TEST(CellMask, IsReachedBySteps) {
     for_cells(from, [&](int c, int r) {
       EXPECT_EQ(reached.cells.at(c, r), slow.at(c, r));
       const bool in_box =
-          std::ranges::any_of(reached.boxes, [&](const Window& box) { return holds(box, c, r); });
+          std::ranges::any_of(reached.boxes, [&](const PixelBox& box) { return holds(box, c, r); });
       EXPECT_TRUE(in_box || !slow.at(c, r));
     });
   }
 }
 
 /// How many of the windows have each pixel of 100 x 80.
-std::vector<int> cover_of(const std::vector<Window>& windows) {
+std::vector<int> cover_of(const std::vector<PixelBox>& windows) {
   std::vector<int> cover(100 * 80, 0);
-  for (const Window& w : windows)
+  for (const PixelBox& w : windows)
     for (int y = w.top; y < w.bottom; ++y)
       for (int x = w.left; x < w.right; ++x) ++cover.at(std::size_t(100 * y + x));
   return cover;
@@ -103,7 +103,7 @@ TEST(CellMask, WindowsHoldAllBoxesAndShareNothing) {
   std::mt19937 random(kMaskSeed);
   for (int i = 0; i < 50; ++i) {
     SCOPED_TRACE("seed " + std::to_string(kMaskSeed) + ", boxes " + std::to_string(i));
-    std::vector<Window> boxes;
+    std::vector<PixelBox> boxes;
     for (int k = 0; k < i % 9; ++k) {
       const int x = int(random() % 88), y = int(random() % 68);
       boxes.push_back({x, y, x + 1 + int(random() % 12), y + 1 + int(random() % 12)});
@@ -111,7 +111,7 @@ TEST(CellMask, WindowsHoldAllBoxesAndShareNothing) {
     const int margin = i % 7;
     const std::vector<int> cover = cover_of(windows_around(boxes, margin, 100, 80));
     EXPECT_LE(*std::ranges::max_element(cover), 1);
-    for (const Window& b : boxes)
+    for (const PixelBox& b : boxes)
       for (int y = std::max(0, b.top - margin); y < std::min(80, b.bottom + margin); ++y)
         for (int x = std::max(0, b.left - margin); x < std::min(100, b.right + margin); ++x)
           ASSERT_EQ(cover[std::size_t(100 * y + x)], 1);

@@ -5,18 +5,9 @@
 #include <cstdint>
 #include <vector>
 
+#include "knotreel/base/pixel_box.h"
+
 namespace knotreel::features {
-
-/// Pixels of a picture: [left, right) x [top, bottom).
-struct Window {
-  int left = 0;
-  int top = 0;
-  int right = 0;
-  int bottom = 0;
-
-  int width() const { return right - left; }
-  int height() const { return bottom - top; }
-};
 
 /// Marks on the square cells that a picture is made of; those at its right and lower side may be smaller.
 class CellMask {
@@ -54,7 +45,7 @@ class CellMask {
 /// What can be reached from some cells, by way of others.
 struct Reached {
   CellMask cells;
-  std::vector<Window> boxes;  ///< around the cells of each group that hangs together, pixels
+  std::vector<PixelBox> boxes;  ///< around the cells of each group that hangs together, pixels
 };
 
 /// All marked cells that can be reached from those in `from`, by steps of up to `step` columns and rows from
@@ -63,6 +54,6 @@ Reached reach(const CellMask& from, const CellMask& marked, int step);
 
 /// Windows without a common pixel that hold all boxes, with a margin around each as far as the picture goes.
 /// @param margin pixels, 0 or more. @param width, height of the picture.
-std::vector<Window> windows_around(const std::vector<Window>& boxes, int margin, int width, int height);
+std::vector<PixelBox> windows_around(const std::vector<PixelBox>& boxes, int margin, int width, int height);
 
 }  // namespace knotreel::features

@@ -54,7 +54,7 @@ int reach_of_edges(const DetectOptions& options);
 /// wanted is less than kEdgesApart cells away. Chains are in the cell of their first point.
 /// @param edges of these cells, those are marked that have an edge: a gradient above a threshold.
 /// @throws Error{kInvalidArgument}, and threads, as detect_features().
-FeatureChains detect_in_window(const image::Image& part, const Window& window, const DetectOptions& options,
+FeatureChains detect_in_window(const image::Image& part, const PixelBox& window, const DetectOptions& options,
                                const CellMask& wanted, CellMask& edges);
 
 /// Sets Chain::stepped by another picture than the one that the chains were detected in: the one that this

@@ -6,17 +6,17 @@
 
 #include "knotreel/base/error.h"
 #include "knotreel/base/vec2.h"
-#include "knotreel/image/image.h"
+#include "knotreel/image/same_cells.h"
 
 namespace knotreel::motion {
 
 /// Side of the cells that a picture is compared in, pixels.
 inline constexpr int kCellSide = 8;
 
-/// Which cells of a picture are as they were in another of the same size, bit for bit.
-/// @return 1 or 0 per cell, row-major; those on the right and at the bottom may be smaller.
-/// @throws Error{kInvalidArgument} if sizes or channels differ.
-std::vector<std::uint8_t> unchanged_cells(const image::Image& before, const image::Image& now);
+/// Which of these cells are as they were, as image::same_cells().
+inline std::vector<std::uint8_t> unchanged_cells(const image::Image& before, const image::Image& now) {
+  return image::same_cells(before, now, kCellSide);
+}
 
 /// Which parts of a video have not changed for some time. Not thread safe but for const members.
 class Rest {
