@@ -15,6 +15,11 @@ constexpr double kMargin = 2 * kOnWall;
 // quadratic in a fan of them; what is evaluated does not depend on the cells, so there they are made larger.
 constexpr double kMostEntriesPerTerm = 64;
 
+/// The nearest of so many cells: the first one if `v` is no number.
+std::size_t cell_at(double v, std::size_t cells) {
+  return static_cast<std::size_t>(std::min(std::max(0.0, v), static_cast<double>(cells - 1)));
+}
+
 }  // namespace
 
 TermIndex::TermIndex(const PieceSet& set, double width, double height, std::size_t knots) {
@@ -65,11 +70,11 @@ double TermIndex::entries_needed() const {
 }
 
 std::size_t TermIndex::column(double x) const {
-  return std::min(static_cast<std::size_t>(std::max(x, 0.0) / cell_), columns_ - 1);
+  return cell_at(x / cell_, columns_);
 }
 
 std::size_t TermIndex::row(double y) const {
-  return std::min(static_cast<std::size_t>(std::max(y, 0.0) / cell_), rows_ - 1);
+  return cell_at(y / cell_, rows_);
 }
 
 std::span<const TermIndex::Entry> TermIndex::at(Vec2 u) const {

@@ -7,6 +7,8 @@
 #include <numbers>
 #include <random>
 
+#include "support/rounds.h"
+
 namespace knotreel::exporting {
 namespace {
 
@@ -77,7 +79,7 @@ TEST(Simplified, CircleTakesFewCurvesAndKeepsItsPlace) {
 TEST(Simplified, NoSpikesBetweenSamples) {
   std::mt19937 random(7);
   std::normal_distribution<double> step(0, 1);
-  for (int round = 0; round < 400; ++round) {
+  for (int round = 0; round < testing::rounds(400); ++round) {
     std::vector<Curve> source;
     Vec2 x{50, 50};
     double angle = step(random);

@@ -40,7 +40,8 @@ TEST(Detect, AHardStepIsExact) {
       }
       const FeatureChains lying = detect_features(turned(image, testing::Turn::kTranspose));
       ASSERT_EQ(lying.chains.size(), 1U);
-      for (const ChainPoint& p : lying.chains[0].points) EXPECT_EQ(p.position, Vec2(p.x + 0.5, column));
+      for (const ChainPoint& p : lying.chains[0].points)
+        EXPECT_EQ(p.position, (Vec2{p.x + 0.5, double(column)}));
     }
   }
 }

@@ -37,8 +37,8 @@ TEST(Fair, StraightLinesStayAndNodesStay) {
   chains.chains[0].points[3].position.y += 0.4;
   fair_chains(chains, {.lambda = 0.5, .iterations = 1, .keep_size = false, .max_shift = kAnywhere});
   const auto& points = chains.chains[0].points;
-  EXPECT_EQ(points.front().position, Vec2(2.5, 3.5));
-  EXPECT_EQ(points.back().position, Vec2(7.5, 3.5));
+  EXPECT_EQ(points.front().position, (Vec2{2.5, 3.5}));
+  EXPECT_EQ(points.back().position, (Vec2{7.5, 3.5}));
   for (std::size_t i = 0; i < points.size(); ++i) EXPECT_NEAR(points[i].position.x, 2.5 + double(i), 1e-12);
   EXPECT_NEAR(points[1].position.y, 3.5, 1e-12) << "next to the end: its two neighbours only";
   EXPECT_NEAR(points[2].position.y, 3.55, 1e-12);
@@ -50,8 +50,8 @@ TEST(Fair, TwoPointsAndThreeAreFine) {
   chains.chains.push_back(chain_through({{2, 3}, {3, 4}}, 0, 1));
   chains.chains.push_back(chain_through({{12, 3}, {13, 4}, {14, 4}}, 2, 3));
   fair_chains(chains);
-  EXPECT_EQ(chains.chains[0].points[1].position, Vec2(3.5, 4.5));
-  EXPECT_NE(chains.chains[1].points[1].position, Vec2(13.5, 4.5));
+  EXPECT_EQ(chains.chains[0].points[1].position, (Vec2{3.5, 4.5}));
+  EXPECT_NE(chains.chains[1].points[1].position, (Vec2{13.5, 4.5}));
 }
 
 TEST(Fair, StaircasesBecomeStraight) {

@@ -32,7 +32,8 @@ double slow_smooth(const image::Image& image, int x, int y, int c, double sigma)
 }
 
 TEST(Gradient, AgreesWithTheSlowReference) {
-  for (const auto& [width, height] : {std::pair{1, 1}, {3, 2}, {17, 70}, {80, 9}}) {
+  for (const auto& [columns, rows] : {std::pair{1, 1}, {3, 2}, {17, 70}, {80, 9}}) {
+    const int width = columns, height = rows;  // names that lambdas may hold
     for (const int channels : {1, 2, 3, 4}) {
       for (const bool euclidean : {false, true}) {
         DetectOptions options;

@@ -88,7 +88,7 @@ TEST(RefineKnots, KnotsGoWhereTheErrorIsBeyondAFeatureThatIsSplit) {
     const auto knots = refine(mesh, errors, {.max_knots = 2});
     ASSERT_EQ(knots.size(), 2U);
     EXPECT_EQ(mesh.knot(knots[0]).kind, KnotKind::kSegment);
-    EXPECT_EQ(mesh.position(knots[1]), Vec2(62.5, y + 2.5));
+    EXPECT_EQ(mesh.position(knots[1]), (Vec2{62.5, y + 2.5}));
     testing::expect_sound(mesh);
   }
 }

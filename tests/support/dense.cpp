@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "support/dense.h"
 
-#include <Eigen/Cholesky>
 #include <Eigen/QR>
 
 namespace knotreel::testing {
@@ -11,11 +10,7 @@ Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
 }
 
 Eigen::MatrixXd least_squares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  return a.completeOrthogonalDecomposition().solve(b);
-}
-
-Eigen::MatrixXd solve_definite(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
-  return a.llt().solve(b);
+  return a.colPivHouseholderQr().solve(b);
 }
 
 }  // namespace knotreel::testing

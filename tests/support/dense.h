@@ -9,10 +9,7 @@ namespace knotreel::testing {
 /// A B.
 Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
-/// The X of least norm among those with the least |A X - B|.
+/// An X with the least |A X - B|.
 Eigen::MatrixXd least_squares(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
-
-/// The X with A X = B for a symmetric, positive definite A.
-Eigen::MatrixXd solve_definite(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
 }  // namespace knotreel::testing

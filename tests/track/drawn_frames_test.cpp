@@ -2,6 +2,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -18,6 +19,7 @@
 #include "knotreel/track/tracker.h"
 #include "support/drawn_scene.h"
 #include "support/pictures.h"
+#include "support/rounds.h"
 #include "track/cold_frame.h"
 #include "track/drawn_features.h"
 #include "track/quality.h"
@@ -800,7 +802,8 @@ void expect_no_memory(double mec) {
 }
 
 TEST(DrawnFrames, DoNotKnowTheGroupBefore) {
-  for (const double mec : {0.05, 0.1, 0.2, 0.4}) expect_no_memory(mec);
+  constexpr std::array kMecs{0.2, 0.05, 0.1, 0.4};
+  for (int i = 0; i < testing::rounds(int(kMecs.size())); ++i) expect_no_memory(kMecs.at(std::size_t(i)));
 }
 
 /// A disk moves on the left. On the right there are shades, which knots would follow, and nothing moves.
