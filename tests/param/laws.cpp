@@ -10,7 +10,11 @@
 namespace knotreel::param::testing {
 namespace {
 
+#ifdef __SIZEOF_FLOAT128__
 __extension__ typedef __float128 Quadruple;
+#else
+using Quadruple = long double;  // of 113 bits on Arm
+#endif
 
 int side(Vec2 a, Vec2 b, Vec2 c) {
   const auto q = [](double v) { return static_cast<Quadruple>(v); };
