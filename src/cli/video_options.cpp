@@ -69,7 +69,10 @@ void add_video_output_options(CLI::App& command, VideoOutputOptions& options) {
       .add_option("--codec", options.codec,
                   "h264, hevc, vp9, av1, ffv1, prores or a name of libav; without, what\nsuits the container")
       ->type_name("NAME");
-  command.add_option("--crf", options.crf, "Quality on the encoder's own scale, lower is better")
+  command
+      .add_option("--crf", options.crf,
+                  "Quality on the encoder's own scale, lower is better: 0 to 51 of h264\nand hevc, 0 to 63 "
+                  "of vp9, vp8 and av1")
       ->check(within(0, 255))
       ->type_name("Q");
   command
