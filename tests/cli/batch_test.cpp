@@ -86,6 +86,22 @@ TEST(CliBatch, AFolderInNaturalOrder) {
   }
 }
 
+TEST(CliBatch, LinksThatLeadNowhereAreTold) {
+  const Lot lot({"a.png", "sub/b.png"});
+  fs::create_symlink("gone.png", lot.in_file("dangling.png"));
+  fs::create_symlink("loop.png", lot.in_file("loop.png"));
+  fs::create_symlink("gone.txt", lot.in_file("notes.txt"));
+  fs::create_symlink("sub", lot.in_file("folder.png"));
+  fs::create_symlink("a.png", lot.in_file("link.png"));
+  const auto result = lot.run();
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_NE(result.err.find("dangling.png"), std::string::npos) << result.err;
+  EXPECT_EQ(lot.lines().size(), 4u);
+  EXPECT_EQ(
+      lot.last(4),
+      (Status{{"a.tcb", "done"}, {"dangling.tcb", "failed"}, {"link.tcb", "done"}, {"loop.tcb", "failed"}}));
+}
+
 TEST(CliBatch, TheBytesOfVectorizeForAnyNumberOfJobs) {
   const Lot lot({"a.png", "bb.png", "ccc.png", "sub/a.png"});
   std::map<std::string, std::string> expected;
