@@ -178,6 +178,7 @@ pipeline::Summary run_video(const VideoRun& run) {
   warn_all(summary.warnings);
   warn_all(missing_frames(run, summary));
   progress.end();
+  trace.finish();
   auto tail = summary_json(summary);
   tail["damaged"] = reader.damaged();
   tail["peak_memory_bytes"] = peak_memory_bytes();
