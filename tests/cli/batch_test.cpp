@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <sys/resource.h>
+
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
 
+#include "cli/batch/manifest.h"
+#include "knotreel/base/error.h"
 #include "program.h"
 #include "support/clips.h"
 
@@ -100,6 +104,25 @@ TEST(CliBatch, LinksThatLeadNowhereAreTold) {
   EXPECT_EQ(
       lot.last(4),
       (Status{{"a.tcb", "done"}, {"dangling.tcb", "failed"}, {"link.tcb", "done"}, {"loop.tcb", "failed"}}));
+}
+
+/// A manifest whose last line a kill has cut is completed first, which a limit on the size of files hinders.
+TEST(Manifest, ThatCannotGoOnIsClosed) {
+  const TempDir dir;
+  write_text(dir / "m.jsonl", "{\"input\": ");
+  const auto open_files = [] {
+    return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+  };
+  const auto before = open_files();
+  rlimit limit{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const rlimit small{fs::file_size(dir / "m.jsonl"), limit.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  EXPECT_THROW(cli::batch::Manifest((dir / "m.jsonl").string(), true), Error);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(open_files(), before);
 }
 
 TEST(CliBatch, TheBytesOfVectorizeForAnyNumberOfJobs) {
