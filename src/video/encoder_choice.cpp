@@ -390,6 +390,11 @@ void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOption
     }
   }
   set_options(*encoder.codec, dictionary, options.encoder_options);
+  // A user may have set it by libav's name. What is no plain number is left to libav.
+  const std::string crf = dictionary.value("crf");
+  double value = 0;
+  const auto [end, status] = std::from_chars(crf.data(), crf.data() + crf.size(), value);
+  if (status == std::errc() && end == crf.data() + crf.size()) check_quality(*encoder.codec, value);
 }
 
 }  // namespace knotreel::video

@@ -87,6 +87,7 @@ TEST(EncoderOptions, WhatCannotBeIsRefused) {
   refused("a.mp4", with_options("h264", {{"nonsense", "1"}}), "'libx264' has no option 'nonsense'");
   refused("a.mp4", with_options("h264", {{"nonsense", ""}}), "'libx264' has no option 'nonsense'");
   refused("a.mp4", with_options("h264", {{"b", "much"}}), "b=much");
+  refused("a.mp4", with_options("h264", {{"crf", "99"}}), "takes a crf from 0 to 51, not 99");
   refused("a.mp4", with_options("h264", {{"tune", "film,nonsense"}}), "no tune is called 'nonsense'");
   refused("a.mp4", with_options("h264", {{"profile", "nonsense"}}), "no profile is called 'nonsense'");
   refused("a.mp4", with_options("h264", {{"preset", "nonsense"}}), "no preset is called 'nonsense'");
