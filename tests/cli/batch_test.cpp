@@ -90,6 +90,20 @@ TEST(CliBatch, AFolderInNaturalOrder) {
   }
 }
 
+TEST(CliBatch, OptionsOfEncodersAreForTranscode) {
+  const Lot lot({"a.png"});
+  const std::vector<std::vector<std::string>> cases{
+      {"--codec", "h264"},          {"--crf", "20"},
+      {"--encoder-preset", "slow"}, {"--pixel-format", "yuv420p"},
+      {"--encoder-option", "g=50"}, {"--container-option", "movflags=faststart"}};
+  for (const std::vector<std::string>& options : cases) {
+    const auto result = lot.run(options);
+    expect_failure(result, 2);
+    EXPECT_NE(result.err.find(options[0] + " is for --transcode"), std::string::npos) << result.err;
+  }
+  EXPECT_FALSE(fs::exists(lot.out));
+}
+
 TEST(CliBatch, LinksThatLeadNowhereAreTold) {
   const Lot lot({"a.png", "sub/b.png"});
   fs::create_symlink("gone.png", lot.in_file("dangling.png"));
