@@ -32,6 +32,7 @@ void add_video_input_options(CLI::App& command, VideoInputOptions& options) {
   add_pairs_option(command, "--input-option", options.demuxer,
                    "For the reader of that format, such as video_size=640x480");
   command.add_option("--image-rate", options.image_rate, "Frames per second of a folder of pictures")
+      ->each([&options](const std::string&) { options.image_rate_is_told = true; })
       ->type_name("R")
       ->capture_default_str();
   add_deinterlace_option(command, options.deinterlace);
