@@ -196,6 +196,20 @@ TEST_F(CliVideo, ARateOfPicturesForAVideoIsToldToBeOfNoUse) {
   EXPECT_EQ(told(path("in_%d.png")), "");
 }
 
+TEST_F(CliVideo, ANumberInTheNameOfADocumentIsToldOf) {
+  const std::string numbered = path("d_%d.tcb");
+  const auto told = [&](std::vector<std::string> arguments) {
+    const auto result = knotreel(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err.find("--split DIR writes one for each") != std::string::npos;
+  };
+  EXPECT_TRUE(told({"vectorize", clip_, "-o", numbered, "--preset", "fast", "--frames", "0-1"}));
+  EXPECT_TRUE(std::filesystem::exists(numbered));
+  EXPECT_TRUE(told({"copy", numbered, "-o", path("e_%d.tcb")}));
+  EXPECT_FALSE(told({"copy", numbered, "-o", path("e.tcb")}));
+  EXPECT_FALSE(told({"copy", numbered, "-o", path("f_%d.tcb"), "--split", path("frames")}));
+}
+
 TEST_F(CliVideo, AllWildcardsMeanPictures) {
   for (const char* name : {"in_1.png", "in_2.png", "in_[3].png"}) {
     image::write_image(path(name), test::moving_picture(48, 32, 3, 0));
