@@ -98,6 +98,7 @@ void run_copy(const CopyArguments& arguments) {
     throw Error(ErrorKind::kInvalidArgument, "give --output or --split");
   }
   check_document_name(arguments.output);
+  if (arguments.split_folder.empty()) warn_of_numbered_document(arguments.output);
   const std::vector<std::string> names = documents_of(arguments.inputs);
   const std::vector<Output> outputs{{arguments.output}, split_output(arguments.split_folder)};
   check_paths(names, outputs);

@@ -137,6 +137,11 @@ void check_new(const Output& output) {
 
 Output video_output(const std::string& path, const std::string& container) {
   if (container == "null" || container == "hash") return {};
+  if (container.empty() && video::has_several_numbers(path)) {
+    throw Error(ErrorKind::kInvalidArgument, quoted(path, "") +
+                                                 " has more than one number; numbered outputs have one, as "
+                                                 "frame_%04d.png has (%% is a % of the name itself)");
+  }
   return {path, container.empty() && video::number_pattern(path).has_value()};
 }
 

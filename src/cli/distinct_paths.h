@@ -15,6 +15,7 @@ struct Output {
 };
 
 /// A video, or a picture per frame. @param container as video::WriteOptions; `null` and `hash` write no file.
+/// @throws Error{kInvalidArgument} for a name with several numbers, as `%d_%d.png`.
 Output video_output(const std::string& path, const std::string& container = {});
 
 /// A document per frame in a folder; empty: nothing.

@@ -114,9 +114,10 @@ void check_kind(const CLI::App& command, bool several) {
 }
 
 void run_export(const CLI::App& command, const ExportArguments& arguments) {
+  const Output output = video_output(arguments.output);
   const std::optional<video::NumberPattern> names = video::number_pattern(arguments.output);
   check_kind(command, names.has_value());
-  check_paths({arguments.input}, {video_output(arguments.output)});
+  check_paths({arguments.input}, {output});
   const ThreadCap cap(arguments.threads);
   const std::string format = format_of(arguments);
   exporting::ExportOptions options = options_of(arguments, format);

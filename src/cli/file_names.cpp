@@ -1,11 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/file_names.h"
 
-#include <algorithm>
 #include <set>
 
+#include "cli/command.h"
 #include "knotreel/base/error.h"
 #include "knotreel/image/format.h"
+#include "knotreel/video/picture_list.h"
 
 namespace knotreel::cli {
 namespace {
@@ -43,6 +44,11 @@ void check_document_name(const std::string& name) {
   throw Error(ErrorKind::kInvalidArgument, "'" + name +
                                                "' is no name for a vector document, such as x.tcb; '" +
                                                command + " x.tcb -o " + name + "' makes the other from one");
+}
+
+void warn_of_numbered_document(const std::string& name) {
+  if (video::number_pattern(name))
+    warn("'" + name + "' is one document with all frames; --split DIR writes one for each");
 }
 
 void check_rendering_name(const std::string& name, const std::string& document_command) {

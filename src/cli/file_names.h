@@ -20,6 +20,9 @@ std::string drawing_format(const std::filesystem::path& path);
 /// @throws Error{kInvalidArgument} that tells which command writes what the name promises.
 void check_document_name(const std::string& name);
 
+/// Warns of a name with a number such as %04d: somebody may want a document per frame.
+void warn_of_numbered_document(const std::string& name);
+
 /// To be called before a picture or a video is drawn. @param document_command  writes a document from what
 /// the caller reads. @throws Error{kInvalidArgument} that tells which command writes what the name promises,
 /// if that is a document or a drawing for other programs.

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <filesystem>
 #include <memory>
+#include <vector>
 
 #include "cli/command.h"
 #include "cli/distinct_paths.h"
@@ -108,6 +109,7 @@ void check_rendering_kind(const CLI::App& command, bool video) {
 
 /// Everything that can be told before the document is read.
 void check_arguments(const CLI::App& command, const RenderArguments& arguments, bool video) {
+  const std::vector<Output> outputs = outputs_of(arguments);
   check_rendering_kind(command, video);
   if (arguments.format.empty()) check_rendering_name(arguments.output, "copy");
   check_output_size(arguments.scale, arguments.size);
@@ -118,7 +120,7 @@ void check_arguments(const CLI::App& command, const RenderArguments& arguments, 
   } else if (!arguments.format.empty() && !image::format_of_extension(arguments.format)) {
     refuse_rendering("--format does not know '" + arguments.format + "' for one picture");
   }
-  check_paths({arguments.input, arguments.copied}, outputs_of(arguments));
+  check_paths({arguments.input, arguments.copied}, outputs);
 }
 
 /// Names end as those of single pictures do, so that --format has to say it; and it may be one all the same.

@@ -1,13 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "cli/trace.h"
 
-#include <fcntl.h>
-#include <unistd.h>
-
 #include <algorithm>
-#include <cerrno>
-#include <cstring>
 #include <nlohmann/json.hpp>
+#include <span>
 
 #include "knotreel/base/error.h"
 
@@ -33,37 +29,35 @@ std::string event(const std::string& name, double begin, double duration, int th
   return json.dump();
 }
 
-int open_file(const std::string& path) {
-  if (path == "-")
-    throw Error(ErrorKind::kInvalidArgument, "--trace needs a file: its end is written anew all the time");
-  return path.empty() ? -1 : ::open(path.c_str(), O_WRONLY | O_CREAT | O_TRUNC | O_CLOEXEC, 0666);
-}
-
 }  // namespace
 
-Trace::Trace(const std::string& path) : Trace(path, open_file(path)) {
-  if (!path.empty()) write(kHead);
-}
-
-Trace::~Trace() {
-  if (descriptor_ >= 0) ::close(descriptor_);
+Trace::Trace(const std::string& path) {
+  if (path.empty()) return;
+  if (path == "-")
+    throw Error(ErrorKind::kInvalidArgument, "--trace needs a file: its end is written anew all the time");
+  file_ = std::make_unique<OutputFile>(path);
+  write(kHead);
 }
 
 void Trace::write(const std::string& events) {
-  const std::string text = events + kTail;
-  // A disk that is nearly full takes a part of it, and tells why with the rest.
-  for (std::size_t done = 0; done < text.size();) {
-    const ssize_t written = descriptor_ < 0 ? -1
-                                            : ::pwrite(descriptor_, text.data() + done, text.size() - done,
-                                                       end_ + static_cast<std::int64_t>(done));
-    if (written < 0) throw Error(ErrorKind::kOutput, "cannot write '" + path_ + "': " + std::strerror(errno));
-    done += static_cast<std::size_t>(written);
+  if (file_->seekable()) {
+    const std::string text = events + kTail;  // at once, so that there is no moment without an end
+    file_->write_at(end_, std::as_bytes(std::span(text)));
+  } else {
+    file_->write(events);
+    file_->flush();
   }
-  end_ += static_cast<std::int64_t>(events.size());
+  end_ += events.size();
+}
+
+void Trace::finish() {
+  if (!file_) return;
+  if (!file_->seekable()) file_->write(kTail);
+  file_->commit();
 }
 
 void Trace::add(const pipeline::FrameRow& row) {
-  if (descriptor_ < 0) return;
+  if (!file_) return;
   const bool made_ahead = std::any_of(row.spans.begin(), row.spans.end(),
                                       [](const pipeline::StageSpan& s) { return s.stage == kColdStage; });
   std::string events;

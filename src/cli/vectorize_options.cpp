@@ -6,9 +6,12 @@
 #include <algorithm>
 #include <limits>
 #include <map>
+#include <string>
+#include <utility>
 
 #include "cli/command.h"
 #include "cli/parse.h"
+#include "knotreel/base/error.h"
 
 namespace knotreel::cli {
 namespace {
@@ -157,7 +160,26 @@ void add_vectorize_options(CLI::App& command, VectorizeOptions& options, const s
   command.option_defaults()->group("Options");
 }
 
+namespace {
+
+void check_features_are_wanted(const VectorizeOptions& given) {
+  if (!given.no_features) return;
+  const std::pair<const char*, bool> about_features[] = {
+      {"--edge-threshold", given.edge_threshold.has_value()},
+      {"--min-feature-length", given.min_feature_length.has_value()},
+      {"--max-blur", given.max_blur.has_value()},
+      {"--fine-grid", given.fine_grid.has_value()},
+      {"--meg", given.meg.has_value()}};
+  for (const auto& [name, is_given] : about_features) {
+    if (is_given)
+      throw Error(ErrorKind::kInvalidArgument, std::string(name) + " is of no use with --no-features");
+  }
+}
+
+}  // namespace
+
 vectorize::Options effective_options(const VectorizeOptions& given, std::uint64_t pixels, bool starts_group) {
+  check_features_are_wanted(given);
   const vectorize::Preset preset = kPresets.at(given.preset);
   vectorize::Options options =
       starts_group ? vectorize::group_preset_options(preset) : vectorize::preset_options(preset);

@@ -50,7 +50,8 @@ void add_vectorize_options(CLI::App& command, VectorizeOptions& options, const s
 
 /// Preset and options together, for a picture of so many pixels.
 /// @param starts_group whether frames of a video are made from it.
-/// @throws Error{kInvalidArgument} if the bound on control points is no number or share.
+/// @throws Error{kInvalidArgument} if the bound on control points is no number or share, or an option about
+/// features comes with --no-features.
 vectorize::Options effective_options(const VectorizeOptions& options, std::uint64_t pixels,
                                      bool starts_group = false);
 

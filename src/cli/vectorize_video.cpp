@@ -2,6 +2,7 @@
 #include "cli/vectorize_video.h"
 
 #include "cli/command.h"
+#include "cli/file_names.h"
 
 namespace knotreel::cli {
 
@@ -17,6 +18,7 @@ void add_vectorize_video_options(CLI::App& command, VideoRun& run) {
 
 void vectorize_video(VideoRun run) {
   run.reading.no_copy_streams = true;  // there is no place for them in a document
+  if (run.split_folder.empty()) warn_of_numbered_document(run.document);
   const pipeline::Summary summary = run_video(run);
   if (!uses_standard_output(outputs_of(run))) {
     tell_result(summary_text(run.document.empty() ? run.split_folder : run.document, summary));

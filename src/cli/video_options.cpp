@@ -32,6 +32,7 @@ void add_video_input_options(CLI::App& command, VideoInputOptions& options) {
   add_pairs_option(command, "--input-option", options.demuxer,
                    "For the reader of that format, such as video_size=640x480");
   command.add_option("--image-rate", options.image_rate, "Frames per second of a folder of pictures")
+      ->each([&options](const std::string&) { options.image_rate_is_told = true; })
       ->type_name("R")
       ->capture_default_str();
   add_deinterlace_option(command, options.deinterlace);
@@ -69,7 +70,10 @@ void add_video_output_options(CLI::App& command, VideoOutputOptions& options) {
       .add_option("--codec", options.codec,
                   "h264, hevc, vp9, av1, ffv1, prores or a name of libav; without, what\nsuits the container")
       ->type_name("NAME");
-  command.add_option("--crf", options.crf, "Quality on the encoder's own scale, lower is better")
+  command
+      .add_option("--crf", options.crf,
+                  "Quality on the encoder's own scale, lower is better: 0 to 51 of h264\nand hevc, 0 to 63 "
+                  "of vp9, vp8 and av1")
       ->check(within(0, 255))
       ->type_name("Q");
   command

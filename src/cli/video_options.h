@@ -23,6 +23,7 @@ struct VideoInputOptions {
   std::string format;
   std::vector<std::string> demuxer;  ///< "key=value"
   std::string image_rate = "25";
+  bool image_rate_is_told = false;
   std::string deinterlace = "auto";
   std::string filter;
   PartOptions part;

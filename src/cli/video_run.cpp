@@ -144,11 +144,15 @@ std::vector<Output> outputs_of(const VideoRun& run) {
 
 namespace {
 
+std::string quoted_input(const std::string& input) {
+  return input == "-" ? "standard input" : "'" + input + "'";
+}
+
 /// Whoever gives one as a video has most likely taken the wrong command.
 void check_no_document(const std::string& input) {
   if (!is_document(input)) return;
-  throw Error(ErrorKind::kInput, (input == "-" ? "standard input" : "'" + input + "'") +
-                                     " is a vector document already; 'knotreel render' draws it");
+  throw Error(ErrorKind::kInput,
+              quoted_input(input) + " is a vector document already; 'knotreel render' draws it");
 }
 
 }  // namespace
@@ -159,6 +163,8 @@ pipeline::Summary run_video(const VideoRun& run) {
   check_no_document(run.input);
   const ThreadCap cap(run.threads);
   video::VideoReader reader = video::VideoReader::open(run.input, read_options(run.reading, run.threads));
+  if (run.reading.image_rate_is_told && !video::means_pictures(run.input))
+    warn("--image-rate is not used: " + quoted_input(run.input) + " has times of its own");
   pipeline::Job job = make_job(run, reader);
   ProgressFile progress(run.progress, reader.info().time_base);
   Trace trace(run.trace);
@@ -178,6 +184,7 @@ pipeline::Summary run_video(const VideoRun& run) {
   warn_all(summary.warnings);
   warn_all(missing_frames(run, summary));
   progress.end();
+  trace.finish();
   auto tail = summary_json(summary);
   tail["damaged"] = reader.damaged();
   tail["peak_memory_bytes"] = peak_memory_bytes();

@@ -91,6 +91,13 @@ std::int64_t number(const std::string& text, std::int64_t otherwise) {
   return n.size() == 1 && is_time(n[0]) ? n[0] : otherwise;
 }
 
+/// Bits per component, likewise.
+int bits_of(const std::string& text) {
+  constexpr int kUsual = 8, kMost = 32;
+  const std::int64_t told = number(text, kUsual);
+  return told >= 1 && told <= kMost ? int(told) : kUsual;
+}
+
 /// Of the last frame of a document that does not tell it. @param step  from the frame before; 0: there is
 /// none.
 std::int64_t concluded_duration(const document::SequenceInfo& info, std::int64_t pts, std::int64_t step) {
@@ -130,7 +137,7 @@ video::StreamInfo stream_info(const document::SequenceInfo& info) {
   stream.channels = info.channels;
   stream.time_base = {info.time_base_num, info.time_base_den};
   const Metadata& metadata = info.metadata;
-  stream.depth = int(number(value(metadata, "depth"), 8));
+  stream.depth = bits_of(value(metadata, "depth"));
   stream.pixel_format = value(metadata, "pixel_format");
   stream.frame_rate = rational(value(metadata, "frame_rate"));
   stream.sample_aspect = rational(value(metadata, "sample_aspect"));

@@ -8,8 +8,8 @@
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/fit/geometry_fit.h"
 #include "track/bend_geometry.h"
+#include "track/edge_points.h"
 #include "track/resting_knots.h"
-#include "track/snap.h"
 
 namespace knotreel::track {
 

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "knotreel/track/curve_error.h"
 
-#include "track/snap.h"
+#include "track/edge_points.h"
 
 namespace knotreel::track {
 

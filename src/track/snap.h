@@ -5,19 +5,18 @@
 #include <span>
 #include <vector>
 
-#include "knotreel/fit/geometry_fit.h"
 #include "knotreel/image/image.h"
 #include "knotreel/motion/luma.h"
 #include "knotreel/spline/basis.h"
+#include "track/edge_samples.h"
 
 namespace knotreel::track {
 
 struct SnapOptions {
   double least_found = 0.9;    ///< share of the samples of a segment that must find their edge again
   double least_parting = 0.5;  ///< share of them with different colours on both sides
-  double reach = 2.5;          ///< how far from the carried curve an edge is looked for, pixels
+  EdgeSearch search;           ///< around the carried curve
   int rounds = 2;              ///< of looking for edges and moving
-  double dead_zone = 0.25;     ///< offsets below are none, pixels
   double stiffness =
       0.3;  ///< of the ends of segments against moving at all and apart, relative to the samples
 };
@@ -38,21 +37,5 @@ SnapResult snap_to_edges(const spline::Basis& basis, std::span<const Vec2> displ
                          const mesh::KnotMesh& mesh, std::span<const Vec2> motion,
                          const image::Image& picture_before, const motion::Luma& before,
                          const motion::Luma& now, const SnapOptions& options = {});
-
-/// Points of the curves of a surface, and the edges of the picture next to them.
-struct EdgePoints {
-  std::vector<fit::CurvePoint> points;  ///< on the edge if there is one, else where the curve is
-  double rms = 0;                       ///< of the distances, pixels
-};
-
-/// Looks along the normals of all feature curves for the edges of a picture; of the steep places those of the
-/// direction that most of the segment has, and the nearest.
-EdgePoints find_edge_points(const spline::Basis& basis, std::span<const Vec2> displacement,
-                            const motion::Luma& now, const SnapOptions& options = {});
-
-/// Mean distance of the curves from the edges next to them, wherever within reach; places without an edge do
-/// not count. Pixels.
-double mean_edge_distance(const spline::Basis& basis, std::span<const Vec2> displacement,
-                          const motion::Luma& picture);
 
 }  // namespace knotreel::track

@@ -1,10 +1,15 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "encoder_choice.h"
 
+extern "C" {
+#include <libavutil/opt.h>
+}
+
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <map>
+#include <optional>
 #include <span>
 #include <sstream>
 #include <vector>
@@ -67,6 +72,9 @@ constexpr double kScale = 2;  ///< of set_scale(), if nothing is said: as good a
 constexpr double kMostTheoraQuality = 10;
 /// So does WebP's.
 constexpr double kMostWebpQuality = 100, kWebpCrf = 10;
+constexpr double kWorstX264 = 51;  ///< and of x265; libav sets no limit, and x264 takes more for it unsaid
+constexpr double kWorstScale = 31;
+constexpr double kFinestVp8 = 4;  ///< unless its encoder is told that it may go below
 
 /// Encoders of libav with a scale of quantisers, from 1 to 31; without one they would go for 200 kbit/s.
 bool is_scaled(const std::string& encoder) {
@@ -213,6 +221,29 @@ std::string number_text(double value) {
   return {text.data(), end};
 }
 
+/// Where the scale of WriteOptions::crf ends for an encoder; none: it has no such scale.
+std::optional<double> worst_quality(const AVCodec& encoder) {
+  const std::string name = encoder.name;
+  if (name == "libtheora") return kMostTheoraQuality;
+  if (name == "libwebp" || name == "libwebp_anim") return kMostWebpQuality;
+  if (is_scaled(name)) return kWorstScale;
+  const AVClass* options = encoder.priv_class;
+  if (options == nullptr) return std::nullopt;
+  const AVOption* crf = av_opt_find(&options, "crf", nullptr, 0, AV_OPT_SEARCH_FAKE_OBJ);
+  if (crf == nullptr) return std::nullopt;
+  return name.starts_with("libx26") ? kWorstX264 : crf->max;
+}
+
+/// @throws Error{kInvalidArgument} for a quality beyond the encoder's scale, or one that is no number.
+void check_quality(const AVCodec& encoder, double crf) {
+  if (crf < 0) return;
+  const std::optional<double> worst = worst_quality(encoder);
+  if (!worst || crf <= *worst) return;
+  throw Error(ErrorKind::kInvalidArgument, std::string("encoder '") + encoder.name +
+                                               "' takes a crf from 0 to " + number_text(*worst) + ", not " +
+                                               number_text(crf));
+}
+
 /// @param crf  below 0: the default.
 void set_constant_quality(AVCodecContext& encoder, Options& dictionary, double crf) {
   const std::string name = encoder.codec->name;
@@ -222,7 +253,7 @@ void set_constant_quality(AVCodecContext& encoder, Options& dictionary, double c
   if (name == "libtheora") {
     set_scale(encoder, kMostTheoraQuality - (crf < 0 ? kScale : crf));
   } else if (name == "libwebp" || name == "libwebp_anim") {
-    dictionary.set("quality", number_text(std::max(0.0, kMostWebpQuality - (crf < 0 ? kWebpCrf : crf))));
+    dictionary.set("quality", number_text(kMostWebpQuality - (crf < 0 ? kWebpCrf : crf)));
   } else if (is_scaled(name)) {
     set_scale(encoder, crf < 0 ? kScale : crf);
   } else if (crf >= 0) {
@@ -230,7 +261,10 @@ void set_constant_quality(AVCodecContext& encoder, Options& dictionary, double c
   }
   // Constant quality, not a rate, is what these two do only at a rate of zero.
   if (name == "libvpx-vp9" || name == "libaom-av1") encoder.bit_rate = 0;
-  if (name == "libvpx") encoder.bit_rate = 100'000'000;
+  if (name == "libvpx") {
+    encoder.bit_rate = 100'000'000;
+    if (crf < kFinestVp8) encoder.qmin = 0;
+  }
 }
 
 /// Whether the user asks for bits per second or a quantiser.
@@ -330,6 +364,7 @@ AVPixelFormat choose_pixel_format(const AVCodec& encoder, const StreamInfo& fram
 
 void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOptions& options) {
   const std::string name = encoder.codec->name;
+  check_quality(*encoder.codec, options.crf);
   encoder.thread_count = options.threads;
   if (options.crf >= 0 || !has_rate(options)) set_constant_quality(encoder, dictionary, options.crf);
   const bool aom = name == "libaom-av1", vpx = name == "libvpx-vp9" || name == "libvpx";
@@ -355,6 +390,11 @@ void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOption
     }
   }
   set_options(*encoder.codec, dictionary, options.encoder_options);
+  // A user may have set it by libav's name. What is no plain number is left to libav.
+  const std::string crf = dictionary.value("crf");
+  double value = 0;
+  const auto [end, status] = std::from_chars(crf.data(), crf.data() + crf.size(), value);
+  if (status == std::errc() && end == crf.data() + crf.size()) check_quality(*encoder.codec, value);
 }
 
 }  // namespace knotreel::video

@@ -21,7 +21,8 @@ AVPixelFormat choose_pixel_format(const AVCodec& encoder, const StreamInfo& fram
                                   const std::string& wanted);
 
 /// Quality, preset, threads and the user's options in the encoder's own words.
-/// @throws Error{kInvalidArgument} for a preset that the encoder does not have.
+/// @throws Error{kInvalidArgument} for a preset that the encoder does not have, or a quality beyond its
+/// scale.
 void set_quality(AVCodecContext& encoder, Options& dictionary, const WriteOptions& options);
 
 }  // namespace knotreel::video

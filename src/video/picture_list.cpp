@@ -79,9 +79,12 @@ std::string NumberPattern::name(std::uint64_t number) const {
   return before + text + after;
 }
 
-std::optional<NumberPattern> number_pattern(const std::string& path) {
+namespace {
+
+/// @param pattern  of the first number. @returns how many numbers there are in the name of a file; -1 if a
+/// `%` begins something else.
+int take_apart(const std::string& path, NumberPattern& pattern) {
   const std::string name = fs::path(path).filename().string();
-  NumberPattern pattern;
   int parts = 0;
   for (std::size_t i = 0; i < name.size(); ++i) {
     std::string& side = parts == 0 ? pattern.before : pattern.after;
@@ -92,13 +95,25 @@ std::optional<NumberPattern> number_pattern(const std::string& path) {
     } else {
       std::size_t at = i + 1;
       const std::string width = digits_at(name, at);
-      if (at >= name.size() || name[at] != 'd' || width.size() > 2 || ++parts > 1) return {};
-      pattern.digits = width.empty() ? 0 : std::stoi(width);
+      if (at >= name.size() || name[at] != 'd' || width.size() > 2) return -1;
+      if (++parts == 1) pattern.digits = width.empty() ? 0 : std::stoi(width);
       i = at;
     }
   }
-  if (parts != 1) return {};
+  return parts;
+}
+
+}  // namespace
+
+std::optional<NumberPattern> number_pattern(const std::string& path) {
+  NumberPattern pattern;
+  if (take_apart(path, pattern) != 1) return {};
   return pattern;
+}
+
+bool has_several_numbers(const std::string& path) {
+  NumberPattern ignored;
+  return take_apart(path, ignored) > 1;
 }
 
 bool matches_pattern(const std::string& pattern, const std::string& name) {

@@ -217,6 +217,23 @@ TEST(Cli, OptionsAreCheckedBeforeDocumentsAreRead) {
   }
 }
 
+/// Before anything is read, or made for a name that only the second frame does not fit.
+TEST(Cli, NamesWithTwoNumbersAreRefused) {
+  const std::vector<std::vector<std::string>> cases{
+      {"render", "-o", "x_%d_%d.png"},
+      {"render", "-o", "x_%d_%04d.png", "--frames", "0-3"},
+      {"export", "-o", "%d_%d_%d.svg", "--frames", "0-3"},
+      {"transcode", "-o", "x_%d_%d.png"},
+      {"transcode", "-o", "x.mp4", "--side-by-side", "x_%d_%d.png"}};
+  for (std::vector<std::string> arguments : cases) {
+    SCOPED_TRACE(testing::PrintToString(arguments));
+    arguments.insert(arguments.begin() + 1, "/nonexistent/x.tcb");
+    const auto result = test::knotreel(arguments);
+    expect_failure(result, 2);
+    EXPECT_NE(result.err.find("has more than one number"), std::string::npos) << result.err;
+  }
+}
+
 TEST(Cli, NamesWithLineBreaksStillGiveOneLine) {
   expect_failure(test::knotreel({"info", "a\nb\x1b[31m.png"}), 3);
 }

@@ -1,10 +1,14 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <sys/resource.h>
+
 #include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <map>
 #include <sstream>
 
+#include "cli/batch/manifest.h"
+#include "knotreel/base/error.h"
 #include "program.h"
 #include "support/clips.h"
 
@@ -84,6 +88,55 @@ TEST(CliBatch, AFolderInNaturalOrder) {
     EXPECT_EQ(lines[i]["input_size"], fs::file_size(lot.in_file(order[i] + ".png")));
     EXPECT_GT(lines[i]["input_mtime"], 0);
   }
+}
+
+TEST(CliBatch, OptionsOfEncodersAreForTranscode) {
+  const Lot lot({"a.png"});
+  const std::vector<std::vector<std::string>> cases{
+      {"--codec", "h264"},          {"--crf", "20"},
+      {"--encoder-preset", "slow"}, {"--pixel-format", "yuv420p"},
+      {"--encoder-option", "g=50"}, {"--container-option", "movflags=faststart"}};
+  for (const std::vector<std::string>& options : cases) {
+    const auto result = lot.run(options);
+    expect_failure(result, 2);
+    EXPECT_NE(result.err.find(options[0] + " is for --transcode"), std::string::npos) << result.err;
+  }
+  EXPECT_FALSE(fs::exists(lot.out));
+}
+
+TEST(CliBatch, LinksThatLeadNowhereAreTold) {
+  const Lot lot({"a.png", "sub/b.png"});
+  fs::create_symlink("gone.png", lot.in_file("dangling.png"));
+  fs::create_symlink("loop.png", lot.in_file("loop.png"));
+  fs::create_symlink("gone.txt", lot.in_file("notes.txt"));
+  fs::create_symlink("sub", lot.in_file("folder.png"));
+  fs::create_symlink("a.png", lot.in_file("link.png"));
+  const auto result = lot.run();
+  EXPECT_EQ(result.exit_code, 3) << result.err;
+  EXPECT_NE(result.err.find("dangling.png"), std::string::npos) << result.err;
+  EXPECT_EQ(lot.lines().size(), 4u);
+  EXPECT_EQ(
+      lot.last(4),
+      (Status{{"a.tcb", "done"}, {"dangling.tcb", "failed"}, {"link.tcb", "done"}, {"loop.tcb", "failed"}}));
+}
+
+/// A manifest whose last line a kill has cut is completed first, which a limit on the size of files hinders.
+TEST(Manifest, ThatCannotGoOnIsClosed) {
+  const TempDir dir;
+  write_text(dir / "m.jsonl", "{\"input\": ");
+  const auto open_files = [] {
+    return std::distance(fs::directory_iterator("/proc/self/fd"), fs::directory_iterator());
+  };
+  const auto before = open_files();
+  rlimit limit{};
+  ASSERT_EQ(::getrlimit(RLIMIT_FSIZE, &limit), 0);
+  const rlimit small{fs::file_size(dir / "m.jsonl"), limit.rlim_max};
+  const auto handler = std::signal(SIGXFSZ, SIG_IGN);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &small), 0);
+  EXPECT_THROW(cli::batch::Manifest((dir / "m.jsonl").string(), true), Error);
+  ASSERT_EQ(::setrlimit(RLIMIT_FSIZE, &limit), 0);
+  std::signal(SIGXFSZ, handler);
+  EXPECT_EQ(open_files(), before);
 }
 
 TEST(CliBatch, TheBytesOfVectorizeForAnyNumberOfJobs) {

@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <sys/stat.h>
+
 #include <csignal>
 #include <filesystem>
 #include <map>
+#include <thread>
 
 #include "cli/trace.h"
 #include "knotreel/base/error.h"
@@ -26,6 +29,15 @@ class CliTrace : public testing::Test {
 
   std::string path(const std::string& name) const { return (dir_ / name).string(); }
   json events() const { return json::parse(read_text(trace_))["traceEvents"]; }
+
+  /// The file that a trace is until it gets its name; empty if there is none.
+  std::string unfinished_trace() const {
+    for (const auto& entry : std::filesystem::directory_iterator(dir_ / "")) {
+      const std::string file = entry.path().string();
+      if (file.starts_with(trace_ + ".") && file.ends_with(".part")) return file;
+    }
+    return "";
+  }
 
   json traced_transcode() {
     expect_success(knotreel({"transcode", clip_, "-f", "null", "--preset", "fast", "--trace", trace_,
@@ -116,13 +128,36 @@ TEST_F(CliTrace, VectorizeHasOneToo) {
 TEST_F(CliTrace, ItIsWholeAfterAnySignal) {
   test::write_clip(clip_, 400);
   for (const int signal : {SIGINT, SIGKILL}) {
+    test::write_text(trace_, "before");
     const auto result = knotreel({"transcode", clip_, "-f", "null", "--preset", "fast", "--trace", trace_,
                                   "--document", path("o.tcb")},
                                  {.signal_once = path("o.tcb."), .signal = signal});
     EXPECT_EQ(result.exit_code, 128 + signal) << result.err;
-    EXPECT_TRUE(events().is_array());
-    std::filesystem::remove(trace_);
+    const std::string unfinished = unfinished_trace();
+    EXPECT_EQ(unfinished.empty(), signal == SIGINT);
+    EXPECT_EQ(read_text(trace_) == "before", signal == SIGKILL);
+    const std::string written = signal == SIGINT ? trace_ : unfinished;
+    EXPECT_TRUE(json::parse(read_text(written))["traceEvents"].is_array());
   }
+}
+
+TEST_F(CliTrace, AFailureLeavesWhatWasThere) {
+  test::write_text(trace_, "before");
+  test::expect_failure(
+      knotreel({"transcode", clip_, "-o", "/dev/full", "-f", "nut", "--preset", "fast", "--trace", trace_}),
+      4);
+  EXPECT_EQ(read_text(trace_), "before");
+  EXPECT_EQ(unfinished_trace(), "");
+}
+
+TEST_F(CliTrace, APipeHasItWithOneEnd) {
+  const std::string pipe = path("pipe");
+  ASSERT_EQ(::mkfifo(pipe.c_str(), 0600), 0);
+  std::string text;
+  std::thread reader([&] { text = read_text(pipe); });
+  expect_success(knotreel({"transcode", clip_, "-f", "null", "--preset", "fast", "--trace", pipe}));
+  reader.join();
+  EXPECT_FALSE(json::parse(text)["traceEvents"].empty());
 }
 
 TEST_F(CliTrace, WhereNoneCanBeWrittenIsExit4) {

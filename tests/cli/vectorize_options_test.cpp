@@ -66,6 +66,22 @@ TEST_F(CliVectorizeOptions, WrongValuesAreExit2AndLeaveNothing) {
   EXPECT_EQ(dir_.entries(), 1u) << "no output may be left";
 }
 
+TEST_F(CliVectorizeOptions, WhatIsAboutFeaturesDoesNotGoWithNone) {
+  const std::vector<std::vector<std::string>> cases{{"--edge-threshold", "20"},
+                                                    {"--min-feature-length", "20"},
+                                                    {"--max-blur", "1"},
+                                                    {"--fine-grid", "all"},
+                                                    {"--meg", "0.5"}};
+  for (std::vector<std::string> options : cases) {
+    options.emplace_back("--no-features");
+    SCOPED_TRACE(testing::PrintToString(options));
+    const auto result = vectorize(options);
+    expect_failure(result, 2);
+    EXPECT_NE(result.err.find(options[0] + " is of no use with --no-features"), std::string::npos)
+        << result.err;
+  }
+}
+
 TEST_F(CliVectorizeOptions, EveryOptionReachesThePipeline) {
   struct Case {
     std::vector<std::string> option;

@@ -184,6 +184,32 @@ TEST_F(CliVideo, OneFrameIsNotCalledFrames) {
   EXPECT_NE(result.out.find(", 1 keyframe, "), std::string::npos) << result.out;
 }
 
+TEST_F(CliVideo, ARateOfPicturesForAVideoIsToldToBeOfNoUse) {
+  const auto told = [&](const std::string& input) {
+    const auto result =
+        knotreel({"transcode", input, "-f", "null", "--preset", "fast", "--image-rate", "30"});
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err;
+  };
+  EXPECT_NE(told(clip_).find("warning: --image-rate is not used"), std::string::npos);
+  image::write_image(path("in_1.png"), test::moving_picture(48, 32, 3, 0));
+  EXPECT_EQ(told(path("in_%d.png")), "");
+}
+
+TEST_F(CliVideo, ANumberInTheNameOfADocumentIsToldOf) {
+  const std::string numbered = path("d_%d.tcb");
+  const auto told = [&](std::vector<std::string> arguments) {
+    const auto result = knotreel(arguments);
+    EXPECT_EQ(result.exit_code, 0) << result.err;
+    return result.err.find("--split DIR writes one for each") != std::string::npos;
+  };
+  EXPECT_TRUE(told({"vectorize", clip_, "-o", numbered, "--preset", "fast", "--frames", "0-1"}));
+  EXPECT_TRUE(std::filesystem::exists(numbered));
+  EXPECT_TRUE(told({"copy", numbered, "-o", path("e_%d.tcb")}));
+  EXPECT_FALSE(told({"copy", numbered, "-o", path("e.tcb")}));
+  EXPECT_FALSE(told({"copy", numbered, "-o", path("f_%d.tcb"), "--split", path("frames")}));
+}
+
 TEST_F(CliVideo, AllWildcardsMeanPictures) {
   for (const char* name : {"in_1.png", "in_2.png", "in_[3].png"}) {
     image::write_image(path(name), test::moving_picture(48, 32, 3, 0));

@@ -56,6 +56,16 @@ TEST(Sequence, NonsenseInTheMetadataCountsAsUnknown) {
   EXPECT_EQ(stream.end, 0);
 }
 
+TEST(Sequence, DepthsThatNoPictureHasCountAsUnknown) {
+  document::SequenceInfo info = sequence_info(odd_stream(), "in.mov", 2);
+  for (const char* depth : {"4294967312", "-10", "0", "33"}) {
+    info.metadata["depth"] = depth;
+    EXPECT_EQ(stream_info(info).depth, 8) << depth;
+  }
+  info.metadata["depth"] = "32";
+  EXPECT_EQ(stream_info(info).depth, 32);
+}
+
 TEST(Sequence, TimesBeyondThoseOfDocumentsCountAsUnknown) {
   video::StreamInfo odd = odd_stream();
   odd.start = std::numeric_limits<std::int64_t>::min();

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 #include <map>
 
@@ -86,6 +87,7 @@ TEST(EncoderOptions, WhatCannotBeIsRefused) {
   refused("a.mp4", with_options("h264", {{"nonsense", "1"}}), "'libx264' has no option 'nonsense'");
   refused("a.mp4", with_options("h264", {{"nonsense", ""}}), "'libx264' has no option 'nonsense'");
   refused("a.mp4", with_options("h264", {{"b", "much"}}), "b=much");
+  refused("a.mp4", with_options("h264", {{"crf", "99"}}), "takes a crf from 0 to 51, not 99");
   refused("a.mp4", with_options("h264", {{"tune", "film,nonsense"}}), "no tune is called 'nonsense'");
   refused("a.mp4", with_options("h264", {{"profile", "nonsense"}}), "no profile is called 'nonsense'");
   refused("a.mp4", with_options("h264", {{"preset", "nonsense"}}), "no preset is called 'nonsense'");
@@ -93,6 +95,35 @@ TEST(EncoderOptions, WhatCannotBeIsRefused) {
   refused("a.mkv", with_options("ffv1", {{"preset", "slow"}}), "'ffv1' has no option 'preset'");
   refused("a.mp4", with_options("h264", {}, {{"nonsense", "1"}}), "'mp4' has no option 'nonsense'");
   refused("a.mp4", with_options("h264", {}, {{"movflags", "nonsense"}}), "nonsense");
+}
+
+TEST(EncoderOptions, QualityBeyondTheScaleIsRefused) {
+  const TempDir dir;
+  const StreamInfo info = moving_pattern(64, 48, 3, 1).info;
+  const auto told = [&](const char* codec, double crf) -> std::string {
+    WriteOptions options = with_codec(codec);
+    options.crf = crf;
+    try {
+      VideoWriter::create(dir / "a.nut", info, options);
+      return "";
+    } catch (const Error& e) {
+      EXPECT_EQ(e.kind(), ErrorKind::kInvalidArgument) << e.what();
+      return e.what();
+    }
+  };
+  const std::map<std::string, int> scales = {{"h264", 51},  {"libx264rgb", 51}, {"hevc", 51},
+                                             {"vp9", 63},   {"vp8", 63},        {"av1", 63},
+                                             {"mpeg4", 31}, {"mjpeg", 31},      {"theora", 10}};
+  for (const auto& [codec, worst] : scales) {
+    EXPECT_EQ(told(codec.c_str(), 0), "") << codec;
+    EXPECT_EQ(told(codec.c_str(), worst), "") << codec;
+    const std::string why = told(codec.c_str(), worst + 0.5);
+    EXPECT_NE(why.find("takes a crf from 0 to " + std::to_string(worst) + ", not "), std::string::npos)
+        << codec << ": " << why;
+  }
+  EXPECT_NE(told("libwebp", 101).find("from 0 to 100"), std::string::npos);
+  EXPECT_NE(told("h264", std::nan("")), "");
+  EXPECT_EQ(told("ffv1", 200), "");  // which has no scale, and tells that
 }
 
 TEST(EncoderOptions, WhatAnEncoderComplainsOfIsTold) {

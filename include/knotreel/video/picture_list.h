@@ -22,6 +22,9 @@ struct NumberPattern {
 /// @returns none if the file name (not its folder) has not exactly one such part. `%%` stands for `%`.
 std::optional<NumberPattern> number_pattern(const std::string& path);
 
+/// Whether it has several such parts, so that it is no pattern, though somebody may have meant one.
+bool has_several_numbers(const std::string& path);
+
 /// Whether the name of a file, without its folder, is one of those that a pattern means: by `%d`, or else by
 /// `*`, `?` and `[...]`.
 bool matches_pattern(const std::string& pattern, const std::string& name);

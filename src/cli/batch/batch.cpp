@@ -62,7 +62,18 @@ batch::Telling telling_of(const BatchArguments& arguments) {
   return arguments.verbose ? batch::Telling::kItems : batch::Telling::kSum;
 }
 
-void run_batch(const BatchArguments& arguments) {
+/// Options that would be without effect are refused.
+void check_encoding(const CLI::App& command, bool transcode) {
+  for (const char* name :
+       {"--codec", "--crf", "--encoder-preset", "--pixel-format", "--encoder-option", "--container-option"}) {
+    if (transcode || command.count(name) == 0) continue;
+    throw Error(ErrorKind::kInvalidArgument,
+                std::string(name) + " is for --transcode; documents are not encoded");
+  }
+}
+
+void run_batch(const CLI::App& command, const BatchArguments& arguments) {
+  check_encoding(command, arguments.transcode);
   effective_options(arguments.options, 1);  // wrong ones are told of now
   batch::Places places = arguments.places;
   places.clips_only = arguments.transcode;
@@ -157,7 +168,7 @@ void add_batch_command(CLI::App& program) {
   add_effort(*command, *arguments);
   add_clips(*command, *arguments);
   command->footer(kBatchFooter);
-  command->callback([arguments] { run_batch(*arguments); });
+  command->callback([command, arguments] { run_batch(*command, *arguments); });
 }
 
 }  // namespace knotreel::cli

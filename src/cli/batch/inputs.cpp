@@ -48,6 +48,13 @@ bool is_hidden(const fs::path& path) {
   return path.filename().string().starts_with('.');
 }
 
+/// Files, and links that lead nowhere: whoever reads those tells of them.
+bool may_be_input(const fs::directory_entry& entry) {
+  std::error_code ignored;
+  const fs::file_status status = entry.status(ignored);
+  return fs::is_regular_file(status) || (entry.is_symlink(ignored) && !fs::exists(status));
+}
+
 template <class Iterator>
 std::vector<std::string> inputs_below(const fs::path& folder, bool clips_only) {
   std::error_code error;
@@ -57,7 +64,7 @@ std::vector<std::string> inputs_below(const fs::path& folder, bool clips_only) {
     if constexpr (requires { it.disable_recursion_pending(); }) {
       if (is_hidden(it->path()) && it->is_directory(ignored)) it.disable_recursion_pending();
     }
-    if (is_hidden(it->path()) || !it->is_regular_file(ignored)) continue;
+    if (is_hidden(it->path()) || !may_be_input(*it)) continue;
     const bool picture = !clips_only && looks_like_picture(it->path());
     if (!picture && !looks_like_clip(it->path())) continue;
     places.push_back(it->path().lexically_relative(folder).string());

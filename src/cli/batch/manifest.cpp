@@ -123,15 +123,15 @@ std::map<std::string, Entry> read_manifest(const std::string& path) {
   return entries;
 }
 
-Manifest::Manifest(std::string path, bool keep)
-    : path_(std::move(path)), descriptor_(open_manifest(path_, keep)) {
+Manifest::Manifest(std::string path, bool keep) : Manifest(std::move(path)) {
+  descriptor_ = open_manifest(path_, keep);
   if (descriptor_ < 0) fail(path_);
   // A kill may have cut the last line.
   if (lacks_line_end(descriptor_)) write("\n");
 }
 
 Manifest::~Manifest() {
-  ::close(descriptor_);
+  if (descriptor_ >= 0) ::close(descriptor_);
 }
 
 void Manifest::add(const Entry& entry) {

@@ -6,6 +6,7 @@
 #include <mutex>
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "cli/batch/inputs.h"
 
@@ -59,11 +60,13 @@ class Manifest {
   void add(const Entry& entry);
 
  private:
+  /// Whole when it has got here, so that the file is closed if nothing can be written to it.
+  explicit Manifest(std::string path) : path_(std::move(path)) {}
   void write(const std::string& text);
 
   std::mutex mutex_;
   std::string path_;
-  int descriptor_;
+  int descriptor_ = -1;
 };
 
 }  // namespace knotreel::cli::batch
