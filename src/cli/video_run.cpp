@@ -162,8 +162,9 @@ pipeline::Summary run_video(const VideoRun& run) {
   check_document_name(run.document);
   check_no_document(run.input);
   const ThreadCap cap(run.threads);
-  video::VideoReader reader = video::VideoReader::open(run.input, read_options(run.reading, run.threads));
-  if (run.reading.image_rate_is_told && !video::means_pictures(run.input))
+  const video::ReadOptions reading = read_options(run.reading, run.threads);
+  video::VideoReader reader = video::VideoReader::open(run.input, reading);
+  if (run.reading.image_rate_is_told && reader.info().frame_rate != reading.image_rate)
     warn("--image-rate is not used: " + quoted_input(run.input) + " has times of its own");
   pipeline::Job job = make_job(run, reader);
   ProgressFile progress(run.progress, reader.info().time_base);

@@ -185,15 +185,18 @@ TEST_F(CliVideo, OneFrameIsNotCalledFrames) {
 }
 
 TEST_F(CliVideo, ARateOfPicturesForAVideoIsToldToBeOfNoUse) {
-  const auto told = [&](const std::string& input) {
-    const auto result =
-        knotreel({"transcode", input, "-f", "null", "--preset", "fast", "--image-rate", "30"});
+  const auto told = [&](const std::string& input, const std::string& format = "") {
+    std::vector<std::string> arguments{"transcode", input,  "-f",           "null",
+                                       "--preset",  "fast", "--image-rate", "30"};
+    if (!format.empty()) arguments.insert(arguments.end(), {"--input-format", format});
+    const auto result = knotreel(arguments);
     EXPECT_EQ(result.exit_code, 0) << result.err;
     return result.err;
   };
   EXPECT_NE(told(clip_).find("warning: --image-rate is not used"), std::string::npos);
   image::write_image(path("in_1.png"), test::moving_picture(48, 32, 3, 0));
   EXPECT_EQ(told(path("in_%d.png")), "");
+  EXPECT_EQ(told(path("in_1.png"), "png_pipe"), "");
 }
 
 TEST_F(CliVideo, ANumberInTheNameOfADocumentIsToldOf) {
