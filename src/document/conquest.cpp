@@ -1,9 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "document/conquest.h"
 
-#include <algorithm>
-#include <limits>
-
 #include "document/bytes.h"
 
 namespace knotreel::document {

@@ -2,8 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <span>
-#include <vector>
 
 #include "document/frame_models.h"
 #include "document/frame_state.h"

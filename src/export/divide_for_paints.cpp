@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "export/divide_for_paints.h"
 
-#include <algorithm>
 #include <cmath>
 
 #include "export/paint.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <vector>
-
 #include "features/gradient.h"
 #include "features/link_map.h"
 #include "knotreel/features/detect.h"

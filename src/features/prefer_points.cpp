@@ -2,7 +2,6 @@
 #include "knotreel/features/prefer_points.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstddef>
 #include <vector>
 

@@ -2,7 +2,6 @@
 #include "knotreel/fit/descend.h"
 
 #include <algorithm>
-#include <cmath>
 #include <memory>
 #include <utility>
 

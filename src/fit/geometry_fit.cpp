@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <cmath>
 
 #include "fit/joints.h"
 #include "fit/normal_equations.h"

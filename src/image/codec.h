@@ -5,7 +5,6 @@
 #include <memory>
 #include <span>
 #include <stdexcept>
-#include <string>
 
 #include "knotreel/base/output_file.h"
 #include "knotreel/image/read_image.h"

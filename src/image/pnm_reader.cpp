@@ -2,7 +2,6 @@
 #include <bit>
 #include <cctype>
 #include <charconv>
-#include <cmath>
 #include <cstring>
 #include <string_view>
 

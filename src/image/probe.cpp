@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "probe.h"
 
-#include <cstdlib>
-
 #include "bytes.h"
 #include "codec.h"
 

@@ -2,7 +2,6 @@
 #include "knotreel/knots/place.h"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 #include <queue>
 

@@ -4,8 +4,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <numeric>
-#include <optional>
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/knots/place.h"

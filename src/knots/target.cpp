@@ -2,7 +2,6 @@
 #include "knotreel/knots/target.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <type_traits>
 

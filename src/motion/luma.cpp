@@ -2,7 +2,6 @@
 #include "knotreel/motion/luma.h"
 
 #include <algorithm>
-#include <span>
 
 #include "base/multiversion.h"
 #include "knotreel/base/parallel.h"

@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "param/framed_mesh.h"
 
-#include <algorithm>
-
 namespace knotreel::param {
 namespace {
 

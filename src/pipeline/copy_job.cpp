@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <optional>
-#include <utility>
 
 #include "knotreel/base/error.h"
 #include "knotreel/document/copier.h"

@@ -2,7 +2,6 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "knotreel/pipeline/sequence.h"
 #include "knotreel/track/group_rule.h"

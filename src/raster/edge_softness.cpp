@@ -2,8 +2,6 @@
 #include "knotreel/raster/edge_softness.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <utility>
 #include <vector>
 

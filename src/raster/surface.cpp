@@ -2,7 +2,6 @@
 #include "raster/surface.h"
 
 #include <algorithm>
-#include <cmath>
 #include <utility>
 
 #include "knotreel/base/parallel.h"

@@ -3,7 +3,6 @@
 
 #include <array>
 #include <bit>
-#include <span>
 
 #include "knotreel/base/parallel.h"
 

@@ -2,7 +2,6 @@
 #include "knotreel/spline/space.h"
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 #include "knotreel/base/error.h"

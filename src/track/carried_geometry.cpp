@@ -2,7 +2,6 @@
 #include "track/carried_geometry.h"
 
 #include <algorithm>
-#include <cmath>
 #include <unordered_map>
 #include <utility>
 

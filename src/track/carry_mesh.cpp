@@ -2,8 +2,6 @@
 #include "knotreel/track/carry_mesh.h"
 
 #include <algorithm>
-#include <cmath>
-#include <optional>
 #include <utility>
 
 #include "base/triangle.h"

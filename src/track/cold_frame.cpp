@@ -7,7 +7,6 @@
 #include <cmath>
 #include <functional>
 #include <utility>
-#include <vector>
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/document/stored_mesh.h"

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 #include "knotreel/base/parallel.h"
 #include "knotreel/knots/place.h"

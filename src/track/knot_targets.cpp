@@ -1,6 +1,4 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include <algorithm>
-
 #include "knotreel/track/carry_mesh.h"
 
 namespace knotreel::track {

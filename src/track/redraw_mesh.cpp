@@ -2,7 +2,6 @@
 #include "track/redraw_mesh.h"
 
 #include <algorithm>
-#include <cmath>
 #include <map>
 #include <tuple>
 #include <utility>

@@ -3,7 +3,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 #include "knotreel/image/image.h"
 #include "knotreel/track/motion.h"

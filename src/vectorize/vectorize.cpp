@@ -5,7 +5,6 @@
 #include <optional>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "knotreel/document/stored_mesh.h"
 #include "knotreel/features/flat_share.h"

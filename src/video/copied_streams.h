@@ -2,7 +2,6 @@
 #pragma once
 
 #include <map>
-#include <string>
 
 #include "knotreel/video/packet.h"
 #include "libav.h"

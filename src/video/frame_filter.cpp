@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "frame_filter.h"
 
-#include <algorithm>
 #include <utility>
 
 #include "colour_rules.h"

@@ -2,7 +2,6 @@
 #include "stream_source.h"
 
 #include <algorithm>
-#include <cmath>
 #include <istream>
 #include <memory>
 #include <string_view>

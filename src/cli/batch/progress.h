@@ -3,7 +3,6 @@
 
 #include <chrono>
 #include <mutex>
-#include <string>
 
 #include "cli/batch/manifest.h"
 

@@ -2,7 +2,6 @@
 #include "cli/debug/canvas.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "cli/debug/digits.h"
