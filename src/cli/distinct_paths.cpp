@@ -8,6 +8,7 @@
 #include <filesystem>
 #include <map>
 
+#include "cli/file_names.h"
 #include "knotreel/base/error.h"
 #include "knotreel/video/picture_list.h"
 
@@ -20,10 +21,6 @@ namespace fs = std::filesystem;
 using Names = std::map<std::string, std::string>;
 
 bool keeps_files = false;  // set before commands run, and not changed any more
-
-std::string quoted(const std::string& path, const char* dash) {
-  return path == "-" ? dash : "'" + path + "'";
-}
 
 /// Where a path leads, without links in it as far as it exists.
 std::string place_of(const fs::path& path) {

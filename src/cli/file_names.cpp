@@ -19,6 +19,10 @@ std::string lower_extension(const std::filesystem::path& path) {
 
 }  // namespace
 
+std::string quoted(const std::string& path, const char* dash) {
+  return path == "-" ? dash : "'" + path + "'";
+}
+
 bool has_picture_name(const std::filesystem::path& path) {
   const std::string extension = lower_extension(path);
   return !extension.empty() && image::format_of_extension(extension.substr(1)).has_value();

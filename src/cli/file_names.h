@@ -7,6 +7,9 @@
 /// What the extension of a file's name promises, in any case of its letters.
 namespace knotreel::cli {
 
+/// For messages: in quotes, but for `-`. @param dash  what that is.
+std::string quoted(const std::string& path, const char* dash);
+
 /// That the file is a picture of a format that image::format_of_extension() knows.
 bool has_picture_name(const std::filesystem::path& path);
 

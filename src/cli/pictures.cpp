@@ -49,7 +49,7 @@ std::string name_of_pipe(const std::filesystem::path& path) {
 
 void warn_if_cut_short(const std::filesystem::path& path, const document::Reader& reader) {
   if (reader.complete()) return;
-  const std::string name = path == "-" ? "standard input" : "'" + path.string() + "'";
+  const std::string name = quoted(path.string(), "standard input");
   warn(name + " is cut short: read up to its last whole frame");
 }
 

@@ -142,15 +142,11 @@ std::vector<Output> outputs_of(const VideoRun& run) {
 
 namespace {
 
-std::string quoted_input(const std::string& input) {
-  return input == "-" ? "standard input" : "'" + input + "'";
-}
-
 /// Whoever gives one as a video has most likely taken the wrong command.
 void check_no_document(const std::string& input) {
   if (!is_document(input)) return;
   throw Error(ErrorKind::kInput,
-              quoted_input(input) + " is a vector document already; 'knotreel render' draws it");
+              quoted(input, "standard input") + " is a vector document already; 'knotreel render' draws it");
 }
 
 }  // namespace
@@ -163,7 +159,7 @@ pipeline::Summary run_video(const VideoRun& run) {
   const video::ReadOptions reading = read_options(run.reading, run.threads);
   video::VideoReader reader = video::VideoReader::open(run.input, reading);
   if (run.reading.image_rate_is_told && reader.info().frame_rate != reading.image_rate)
-    warn("--image-rate is not used: " + quoted_input(run.input) + " has times of its own");
+    warn("--image-rate is not used: " + quoted(run.input, "standard input") + " has times of its own");
   pipeline::Job job = make_job(run, reader);
   ProgressFile progress(run.progress, reader.info().time_base);
   Trace trace(run.trace);

@@ -47,12 +47,12 @@ float step(const float* pixel, const float* next, std::size_t colours) {
   return most;
 }
 
-/// Whether a sample of a cell has a sharp step along the row, in every second of these: most cells of films
-/// have none, and need not be looked at any further.
+/// Whether a sample of a cell has a sharp step along the row: most cells of films have none, and need not be
+/// looked at any further.
 bool may_have_captions(const image::Image& image, int left, int top) {
   const int pixels = std::min(kCell, image.width - 1 - left);
   int sharp = 0;
-  for (int y = top; y < std::min(top + kCell, image.height - 1); y += 2) {
+  for (int y = top; y < std::min(top + kCell, image.height - 1); ++y) {
     const float* at = pixel_at(image, left, y);
     for (int i = 0; i < pixels * image.channels; ++i)
       sharp += std::abs(at[i] - at[i + image.channels]) > kSharpStep ? 1 : 0;

@@ -15,7 +15,6 @@
 #include "knotreel/spline/space.h"
 #include "support/drawn_scene.h"
 #include "support/pictures.h"
-#include "support/rounds.h"
 
 namespace knotreel::track {
 namespace {
@@ -141,7 +140,6 @@ image::Image strokes(std::uint64_t seed, double ground, double ink) {
 
 /// Else each of them would be a frame that is made from its picture alone.
 TEST(DrawnFeatures, MakeSoundMeshesWhereDrawingsFadeIntoEachOther) {
-  KNOTREEL_SKIP_WITH_CHECKS();
   for (std::uint64_t seed = 0; seed < 12; ++seed) {
     const image::Image from = strokes(2 * seed, 245, 30);
     const image::Image to = strokes(2 * seed + 1, 60, 200);

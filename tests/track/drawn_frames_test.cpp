@@ -417,7 +417,6 @@ FittedFrame fine_group() {
 }
 
 TEST(ColdFrame, ADrawingWithoutRoomIsDenseIfThatIsWorthIt) {
-  KNOTREEL_SKIP_WITH_CHECKS();
   const vectorize::Options film = vectorize::video_options(picture_options(400));
   const vectorize::Options drawn = vectorize::drawn_video_options(picture_options(400));
   const vectorize::Options dense = vectorize::drawn_video_options(picture_options(6000));
@@ -496,7 +495,6 @@ image::Image shaded_squares() {
 
 /// Frames behind it will often have no room, but they can be seen.
 TEST(ColdFrame, ADrawingIsCrampedIfItCannotBeSeenElse) {
-  KNOTREEL_SKIP_WITH_CHECKS();
   const vectorize::Options film = vectorize::video_options(picture_options(400));
   const vectorize::Options drawn = vectorize::drawn_video_options(picture_options(400));
   const auto cold = [&](const image::Image& picture, std::size_t most) {
@@ -545,7 +543,6 @@ void expect_to_stay_within(TrackOptions options, std::vector<image::Image> pictu
 }
 
 TEST(DrawnFrames, ThatAreCrampedStaySo) {
-  KNOTREEL_SKIP_WITH_CHECKS();
   TrackOptions options = drawn_options(400);
   const auto bound = [](std::size_t most) {
     return std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(picture_options(most)));
@@ -641,7 +638,6 @@ TEST(DrawnFrames, ThatAreDenseAsFilmStayDense) {
 
 /// A bound that is a good part of the pixels is there to be filled.
 TEST(ColdFrame, ADrawingMayFillAGenerousBound) {
-  KNOTREEL_SKIP_WITH_CHECKS();
   const image::Image squares = many_squares();
   const auto cold = [&](double share) {
     const auto most = static_cast<std::size_t>(share * double(squares.pixel_count()));
@@ -692,7 +688,6 @@ image::Image noisy_drawing() {
 }
 
 TEST(ColdFrame, ThePlainGridMayHaveRoomWhereTheFineOneHasNone) {
-  KNOTREEL_SKIP_WITH_CHECKS();
   const image::Image picture = noisy_drawing();
   std::string ways;  // by growing bounds, each once
   for (double most = 400; most < 1000; most *= 1.06) {
@@ -732,7 +727,6 @@ TEST(DrawnFrames, ThatAreDenseGrowByAFifthAtMost) {
 
 /// Rows of squares come one by one.
 TEST(DrawnFrames, ThatAreDenseGrowWithTheirFeatures) {
-  KNOTREEL_SKIP_WITH_CHECKS();
   TrackOptions options = drawn_options(400);
   options.dense =
       std::make_shared<const vectorize::Options>(vectorize::drawn_video_options(picture_options(8000)));

@@ -13,7 +13,6 @@
 #include "knotreel/features/captions.h"
 #include "knotreel/features/flat_share.h"
 #include "support/pictures.h"
-#include "support/rounds.h"
 #include "vectorize/scenes.h"
 
 namespace knotreel::vectorize {
@@ -419,7 +418,6 @@ image::Image dense_page(int width, int height) {
 }
 
 TEST(Vectorize, TheBoundGrowsWhereFeaturesOfDrawingsHaveNoRoom) {
-  KNOTREEL_SKIP_WITH_CHECKS();
   const image::Image page = dense_page(240, 180);
   const std::size_t usual = default_control_points(page);
   const std::size_t most = default_control_points_with_features(page);
@@ -526,7 +524,6 @@ image::Image dots(int width, int height, int distance) {
 }
 
 TEST(Vectorize, TheBoundGrowsWhereMarksThatAreNoFeaturesCannotBeRead) {
-  KNOTREEL_SKIP_WITH_CHECKS();
   const image::Image stipple = dots(240, 180, 8);
   ASSERT_TRUE(features::is_drawing(stipple));
   const std::size_t usual = default_control_points(stipple);
@@ -674,7 +671,6 @@ TEST(Vectorize, StrokesOfTwoPixelsAreDrawnAsTheyAre) {
 }
 
 TEST(Vectorize, DrawingsHaveFinerPolylinesIfTheyFit) {
-  KNOTREEL_SKIP_WITH_CHECKS();
   const auto discs = [](double radius, bool soft) {
     return draw(200, 150, 3, [=](double x, double y) {
       if (!soft) x = std::floor(x) + 0.5, y = std::floor(y) + 0.5;
